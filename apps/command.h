@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace fabloop::apps {
+
+/// Options that every command has.
+struct CommonOptions {
+  bool quiet = false;   ///< No progress, no notes: only the result and errors.
+  int num_threads = 0;  ///< 0: all hardware threads. Results do not depend on it.
+};
+
+/// Each adds one command to the program: its options and, as the callback, what it does.
+
+}  // namespace fabloop::apps

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <iostream>
+#include <new>
+#include <opencv2/core.hpp>
+#include <opencv2/core/utils/logger.hpp>
+
+#include "apps/command.h"
+#include "frontend/error.h"
+
+namespace {
+
+constexpr int kBadInput = 1;
+constexpr int kWrongUsage = 2;
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace fabloop::apps;
+  CLI::App program("fabloop: tells a robot when it has been here before, proves it, and bends its map accordingly.", "fabloop");
+  program.require_subcommand(1);
+  program.fallthrough();
+  CommonOptions common;
+  program.add_flag("--quiet", common.quiet, "print only the result and errors");
+  program.add_option("--threads", common.num_threads, "number of threads; results do not depend on it (default: all)")
+      ->check(CLI::PositiveNumber);
+
+  // We thread over images and candidates ourselves, so OpenCV's own threads would only compete.
+  cv::setNumThreads(1);
+  // Its warnings about damaged images would interleave with ours, which name the file.
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return program.exit(error) == 0 ? 0 : kWrongUsage;
+  } catch (const fabloop::InputError& error) {
+    std::cerr << "fabloop: " << error.what() << '\n';
+    return kBadInput;
+  } catch (const std::bad_alloc&) {
+    std::cerr << "fabloop: out of memory; give fewer images or fewer features\n";
+    return kBadInput;
+  } catch (const std::exception& error) {
+    std::cerr << "fabloop: " << error.what() << '\n';
+    return kBadInput;
+  }
+  return 0;
+}

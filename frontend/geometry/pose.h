@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace fabloop {
+
+/// A rigid transform a_from_b: it maps coordinates in frame b into frame a, and its translation is b's origin seen in a.
+/// Products cancel neighbours: a_from_c = a_from_b * b_from_c.
+struct Pose {
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
+
+  /// b_from_a.
+  Pose inverse() const {
+    const Eigen::Quaterniond inverse_rotation = rotation.conjugate();
+    return {inverse_rotation, -(inverse_rotation * translation)};
+  }
+};
+
+/// a_from_c = a_from_b * b_from_c. The rotation is renormalised, so that long chains stay rotations.
+inline Pose operator*(const Pose& a_from_b, const Pose& b_from_c) {
+  return {(a_from_b.rotation * b_from_c.rotation).normalized(), a_from_b.translation + a_from_b.rotation * b_from_c.translation};
+}
+
+/// x_in_a = a_from_b * x_in_b.
+inline Eigen::Vector3d operator*(const Pose& a_from_b, const Eigen::Vector3d& x_in_b) {
+  return a_from_b.rotation * x_in_b + a_from_b.translation;
+}
+
+/// Angle of a rotation, in [0, pi] radians.
+inline double rotation_angle(const Eigen::Quaterniond& rotation) {
+  return 2.0 * std::atan2(rotation.vec().norm(), std::abs(rotation.w()));
+}
+
+inline constexpr double kPi = 3.14159265358979323846;
+inline constexpr double deg_from_rad(double radians) { return radians * 180.0 / kPi; }
+inline constexpr double rad_from_deg(double degrees) { return degrees * kPi / 180.0; }
+
+}  // namespace fabloop
