@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "posegraph/connectivity.h"
+
+#include <algorithm>
+#include <deque>
+#include <numeric>
+
+namespace fabloop {
+namespace {
+
+std::size_t find_root(std::vector<std::size_t>& parent, std::size_t vertex) {
+  while (parent[vertex] != vertex) vertex = parent[vertex] = parent[parent[vertex]];
+  return vertex;
+}
+
+/// Edges of each vertex, those with scale first, in the graph's order.
+std::vector<std::vector<std::size_t>> edges_of_vertices(const PoseGraph& graph) {
+  std::vector<std::vector<std::size_t>> result(graph.vertices.size());
+  for (const bool has_scale : {true, false}) {
+    for (std::size_t e = 0; e < graph.edges.size(); ++e) {
+      if (graph.edges[e].has_scale != has_scale) continue;
+      result[graph.edges[e].from].push_back(e);
+      result[graph.edges[e].to].push_back(e);
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+Components connected_components(const PoseGraph& graph) {
+  std::vector<std::size_t> parent(graph.vertices.size());
+  std::iota(parent.begin(), parent.end(), std::size_t{0});
+  for (const Edge& edge : graph.edges) {
+    const std::size_t a = find_root(parent, edge.from);
+    const std::size_t b = find_root(parent, edge.to);
+    // The smaller root wins, so a component's root is its first vertex.
+    (a < b ? parent[b] : parent[a]) = std::min(a, b);
+  }
+  Components components;
+  components.of_vertex.resize(parent.size());
+  for (std::size_t v = 0; v < parent.size(); ++v) {
+    const std::size_t root = find_root(parent, v);
+    components.of_vertex[v] = root == v ? components.count++ : components.of_vertex[root];
+  }
+  return components;
+}
+
+void chain_along_edges(PoseGraph& graph) {
+  const auto edges_of = edges_of_vertices(graph);
+  const Components components = connected_components(graph);
+  std::vector<bool> reached(graph.vertices.size(), false);
+  std::vector<bool> started(components.count, false);
+  std::deque<std::size_t> queue;
+  const auto start_at = [&](std::size_t v) {
+    reached[v] = started[components.of_vertex[v]] = true;
+    queue.push_back(v);
+  };
+  for (std::size_t v = 0; v < graph.vertices.size(); ++v) {
+    if (graph.vertices[v].fixed) start_at(v);
+  }
+  for (std::size_t v = 0; v < graph.vertices.size(); ++v) {
+    if (!started[components.of_vertex[v]]) start_at(v);
+  }
+  for (; !queue.empty(); queue.pop_front()) {
+    const std::size_t v = queue.front();
+    for (const std::size_t e : edges_of[v]) {
+      const Edge& edge = graph.edges[e];
+      const std::size_t other = edge.from == v ? edge.to : edge.from;
+      if (reached[other]) continue;
+      const Pose v_from_other = edge.from == v ? edge.from_from_to : edge.from_from_to.inverse();
+      graph.vertices[other].world_from_frame = graph.vertices[v].world_from_frame * v_from_other;
+      reached[other] = true;
+      queue.push_back(other);
+    }
+  }
+}
+
+}  // namespace fabloop

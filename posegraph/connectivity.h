@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "posegraph/pose_graph.h"
+
+namespace fabloop {
+
+/// Which vertices hang together.
+struct Components {
+  std::vector<std::size_t> of_vertex;  ///< Component of each vertex, numbered in the order of their first vertices.
+  std::size_t count = 0;
+};
+
+/// Connected components over all edges.
+Components connected_components(const PoseGraph& graph);
+
+/// Sets every vertex by chaining edges breadth-first from the fixed vertices, in a component without one from its first
+/// vertex; those keep their poses. Edges without scale are chained with unit length, after a vertex's other edges.
+void chain_along_edges(PoseGraph& graph);
+
+}  // namespace fabloop

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+namespace fabloop {
+
+/// How an edge's squared whitened error s enters the cost: rho(s). All are s for small errors.
+enum class RobustLoss {
+  None,          ///< rho(s) = s.
+  Huber,         ///< Grows with the error beyond the scale; convex, so it adds no local minima.
+  Cauchy,        ///< Grows with the logarithm of the error.
+  GemanMcClure,  ///< Bounded by the scale: an edge that disagrees is ignored in the end.
+};
+
+/// rho(s) for s = chi2, with c2 the squared scale at which the loss leaves the parabola.
+/// Source: Z. Zhang, Parameter estimation techniques, Image and Vision Computing 1997, table 1 (Geman-McClure scaled by c2).
+double robust_cost(RobustLoss loss, double chi2, double c2);
+
+/// d rho / d s in [0, 1]: how much of the edge's information the optimum listens to.
+double robust_weight(RobustLoss loss, double chi2, double c2);
+
+/// d^2 rho / d s^2.
+double robust_curvature(RobustLoss loss, double chi2, double c2);
+
+/// The value that a chi-square variable of `degrees_of_freedom` >= 1 stays below with this probability, in [0, 1).
+double chi_square_quantile(double probability, int degrees_of_freedom);
+
+}  // namespace fabloop
