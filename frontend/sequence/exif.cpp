@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "frontend/sequence/exif.h"
+
+#include <libexif/exif-data.h>
+#include <libexif/exif-utils.h>
+
+#include <cmath>
+#include <memory>
+
+namespace fabloop {
+namespace {
+
+struct FreeExif {
+  void operator()(ExifData* data) const { exif_data_unref(data); }
+};
+
+double rational_at(const unsigned char* bytes, ExifByteOrder order, bool is_signed) {
+  if (is_signed) {
+    const ExifSRational value = exif_get_srational(bytes, order);
+    return value.denominator == 0 ? 0.0 : static_cast<double>(value.numerator) / value.denominator;
+  }
+  const ExifRational value = exif_get_rational(bytes, order);
+  return value.denominator == 0 ? 0.0 : static_cast<double>(value.numerator) / value.denominator;
+}
+
+/// The tag's positive number, whatever its type; none when it is absent, damaged or not positive.
+std::optional<double> positive_number(ExifData& data, ExifTag tag) {
+  const ExifEntry* entry = nullptr;
+  for (const ExifIfd ifd : {EXIF_IFD_EXIF, EXIF_IFD_0}) {
+    if (entry == nullptr) entry = exif_content_get_entry(data.ifd[ifd], tag);
+  }
+  if (entry == nullptr || entry->data == nullptr || entry->components < 1) return std::nullopt;
+  if (entry->size < exif_format_get_size(entry->format)) return std::nullopt;
+  const ExifByteOrder order = exif_data_get_byte_order(&data);
+  double value = 0;
+  switch (entry->format) {
+    case EXIF_FORMAT_SHORT:
+      value = exif_get_short(entry->data, order);
+      break;
+    case EXIF_FORMAT_LONG:
+      value = exif_get_long(entry->data, order);
+      break;
+    case EXIF_FORMAT_RATIONAL:
+      value = rational_at(entry->data, order, false);
+      break;
+    case EXIF_FORMAT_SRATIONAL:
+      value = rational_at(entry->data, order, true);
+      break;
+    default:
+      break;
+  }
+  return value > 0 && std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
+/// EXIF 2.3, FocalPlaneResolutionUnit: 2 is the inch (and the default), 3 the centimetre; 4 and 5 are common extensions.
+double millimetres_of_unit(int unit) {
+  switch (unit) {
+    case 3:
+      return 10.0;
+    case 4:
+      return 1.0;
+    case 5:
+      return 0.001;
+    default:
+      return 25.4;
+  }
+}
+
+/// Width of the sensor in millimetres, where a plausible one follows from the focal-plane resolution.
+std::optional<double> sensor_width_mm(ExifData& data) {
+  const auto pixels_per_unit = positive_number(data, EXIF_TAG_FOCAL_PLANE_X_RESOLUTION);
+  const auto sensor_width_px = positive_number(data, EXIF_TAG_PIXEL_X_DIMENSION);
+  if (!pixels_per_unit || !sensor_width_px) return std::nullopt;
+  const auto unit = static_cast<int>(positive_number(data, EXIF_TAG_FOCAL_PLANE_RESOLUTION_UNIT).value_or(2));
+  const double width_mm = *sensor_width_px / *pixels_per_unit * millimetres_of_unit(unit);
+  return width_mm > 1.0 && width_mm < 100.0 ? std::optional(width_mm) : std::nullopt;
+}
+
+/// Focal length in pixels of the image. The 35-mm equivalent is rounded to a millimetre but survives resizing, after which the
+/// focal-plane resolution may speak of other pixels: the latter is taken when the two roughly agree.
+std::optional<double> focal_px(ExifData& data, int width, int height) {
+  const auto focal_mm = positive_number(data, EXIF_TAG_FOCAL_LENGTH);
+  const auto focal_35mm = positive_number(data, EXIF_TAG_FOCAL_LENGTH_IN_35MM_FILM);
+  std::optional<double> from_sensor, from_35mm;
+  if (const auto sensor_mm = sensor_width_mm(data); sensor_mm && focal_mm) from_sensor = *focal_mm / *sensor_mm * width;
+  // CIPA DCG-001: equivalent by the diagonal, which is 43.27 mm on 36 x 24 mm film.
+  if (focal_35mm) from_35mm = *focal_35mm / std::hypot(36.0, 24.0) * std::hypot(width, height);
+  if (!from_sensor || !from_35mm) return from_sensor ? from_sensor : from_35mm;
+  constexpr double kRoughly = 0.15;
+  return std::abs(*from_sensor / *from_35mm - 1) < kRoughly ? from_sensor : from_35mm;
+}
+
+}  // namespace
+
+std::optional<Camera> camera_from_exif(const std::filesystem::path& image_path, int width, int height) {
+  const std::unique_ptr<ExifData, FreeExif> data(exif_data_new_from_file(image_path.c_str()));
+  if (!data) return std::nullopt;
+  const auto focal = focal_px(*data, width, height);
+  if (!focal) return std::nullopt;
+  Camera camera;
+  camera.width = width;
+  camera.height = height;
+  camera.fx = camera.fy = *focal;
+  camera.cx = 0.5 * (width - 1);
+  camera.cy = 0.5 * (height - 1);
+  return camera;
+}
+
+}  // namespace fabloop
