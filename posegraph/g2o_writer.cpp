@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <ostream>
+
+#include "frontend/output_file.h"
+#include "posegraph/g2o_io.h"
+
+namespace fabloop {
+namespace {
+
+/// " value" in the fewest digits that read back as the same bits.
+void write_number(std::ostream& out, double value) {
+  std::array<char, 32> buffer{};
+  const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  out.put(' ').write(buffer.data(), result.ptr - buffer.data());
+}
+
+void write_pose(std::ostream& out, const Pose& pose, int dimension) {
+  const auto& [q, t] = pose;
+  if (dimension == 2) {
+    const double yaw = std::remainder(2.0 * std::atan2(q.z(), q.w()), 2.0 * kPi);
+    for (const double value : {t.x(), t.y(), yaw}) write_number(out, value);
+    return;
+  }
+  for (const double value : {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()}) write_number(out, value);
+}
+
+void write_information(std::ostream& out, const Matrix6d& information, int dimension) {
+  constexpr std::array<int, 3> kPlanarRows = {0, 1, 5};
+  const int size = dimension == 3 ? 6 : 3;
+  for (int i = 0; i < size; ++i) {
+    for (int j = i; j < size; ++j) {
+      write_number(out, dimension == 3 ? information(i, j) : information(kPlanarRows[i], kPlanarRows[j]));
+    }
+  }
+}
+
+/// What read_g2o() takes an edge for when nothing is said.
+EdgeKind usual_kind(const PoseGraph& graph, const Edge& edge) {
+  const std::int64_t from_id = graph.vertices[edge.from].id;
+  const std::int64_t to_id = graph.vertices[edge.to].id;
+  return to_id - from_id == 1 || from_id - to_id == 1 ? EdgeKind::Odometry : EdgeKind::Loop;
+}
+
+const char* kind_comment(EdgeKind kind) {
+  switch (kind) {
+    case EdgeKind::Odometry:
+      return "# kind: odometry\n";
+    case EdgeKind::Neighbour:
+      return "# kind: neighbour\n";
+    case EdgeKind::Loop:
+      return "# kind: loop\n";
+  }
+  return "";
+}
+
+/// Some readers stop at comments, so there is one only where the file says what others do not know.
+void write_header(std::ostream& out, const PoseGraph& graph) {
+  const auto has_direction = [](const Edge& edge) { return !edge.has_scale; };
+  const auto has_unusual_kind = [&](const Edge& edge) { return edge.kind != usual_kind(graph, edge); };
+  if (std::any_of(graph.edges.begin(), graph.edges.end(), has_direction)) {
+    out << "# EDGE_SE3_DIRECTION:QUAT has the columns of EDGE_SE3:QUAT, but its translation is a unit direction: the distance "
+           "is\n"
+           "# not known. The translation part of its information weighs the error of that direction. Other programs skip it.\n";
+  }
+  if (std::any_of(graph.edges.begin(), graph.edges.end(), has_unusual_kind)) {
+    out << "# Edges between consecutive ids are odometry and others are loops, unless a comment 'kind' stands before them.\n";
+  }
+}
+
+}  // namespace
+
+void write_g2o(const std::filesystem::path& path, const PoseGraph& graph) {
+  OutputFile file(path);
+  std::ostream& out = file.stream();
+  write_header(out, graph);
+  for (const Vertex& vertex : graph.vertices) {
+    out << (graph.dimension == 2 ? "VERTEX_SE2 " : "VERTEX_SE3:QUAT ") << vertex.id;
+    write_pose(out, vertex.world_from_frame, graph.dimension);
+    out << '\n';
+  }
+  for (const Vertex& vertex : graph.vertices) {
+    if (vertex.fixed) out << "FIX " << vertex.id << '\n';
+  }
+  for (const Edge& edge : graph.edges) {
+    if (edge.kind != usual_kind(graph, edge)) out << kind_comment(edge.kind);
+    out << (graph.dimension == 2 ? "EDGE_SE2 " : edge.has_scale ? "EDGE_SE3:QUAT " : "EDGE_SE3_DIRECTION:QUAT ");
+    out << graph.vertices[edge.from].id << ' ' << graph.vertices[edge.to].id;
+    write_pose(out, edge.from_from_to, graph.dimension);
+    write_information(out, edge.information, graph.dimension);
+    out << '\n';
+  }
+  file.commit();
+}
+
+}  // namespace fabloop
