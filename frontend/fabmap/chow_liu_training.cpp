@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frontend/fabmap/chow_liu_training.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include "frontend/error.h"
 #include "frontend/fabmap/observation_model.h"
@@ -91,6 +91,51 @@ struct Candidate {
   double mutual_information;
 };
 
+/// Words outside the tree, each with its best link into it (Prim 1957).
+class Frontier {
+ public:
+  explicit Frontier(std::size_t num_words) {
+    for (WordId word = 1; word < num_words; ++word) candidates_.push_back({word, 0, 0, -1.0});
+  }
+
+  bool empty() const { return candidates_.empty(); }
+
+  /// Takes out the word with the best link, once `added` is in the tree. `together` counts the images that show `added` and
+  /// each word.
+  Candidate take_best(const PairTables& tables, WordId added, const std::vector<Count>& together) {
+    std::size_t best = 0;
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      Candidate& candidate = candidates_[i];
+      const Candidate link = {candidate.word, added, together[candidate.word],
+                              tables.mutual_information(candidate.word, added, together[candidate.word])};
+      if (is_better(link, candidate)) candidate = link;
+      if (is_better(candidate, candidates_[best])) best = i;
+    }
+    const Candidate chosen = candidates_[best];
+    candidates_[best] = candidates_.back();
+    candidates_.pop_back();
+    return chosen;
+  }
+
+ private:
+  static bool is_better(const Candidate& a, const Candidate& b) {
+    if (a.mutual_information != b.mutual_information) return a.mutual_information > b.mutual_information;
+    return a.word != b.word ? a.word < b.word : a.parent < b.parent;
+  }
+
+  std::vector<Candidate> candidates_;
+};
+
+/// For each word, how many images show it together with `word`.
+std::vector<Count> count_together(WordId word, const std::vector<std::vector<std::uint32_t>>& images,
+                                  const std::vector<Observation>& observations) {
+  std::vector<Count> together(images.size(), 0);
+  for (const std::uint32_t image : images[word]) {
+    for (const WordId other : observations[image].words) ++together[other];
+  }
+  return together;
+}
+
 }  // namespace
 
 ChowLiuResult train_chow_liu_tree(const std::vector<Observation>& observations, std::size_t num_words,
@@ -103,45 +148,21 @@ ChowLiuResult train_chow_liu_tree(const std::vector<Observation>& observations, 
   for (const auto& word_images : images) counts.push_back(static_cast<Count>(word_images.size()));
   const PairTables tables(counts, static_cast<Count>(observations.size()), options.pseudo_count);
 
-  // Prim's algorithm over the complete graph, one row of co-occurrence counts at a time.
   ChowLiuResult result;
-  result.tree.nodes.resize(num_words);
-  result.tree.nodes[0] = tables.root(0);
-  result.entropy = tables.entropy(0);
-  std::vector<Candidate> outside;
-  for (WordId word = 1; word < num_words; ++word) outside.push_back({word, 0, 0, -1.0});
-  std::vector<Count> together(num_words);
+  for (WordId word = 0; word < num_words; ++word) {
+    result.tree.nodes.push_back(tables.root(word));
+    result.entropy += tables.entropy(word);
+  }
+  Frontier frontier(num_words);
   WordId added = 0;
-  while (!outside.empty()) {
-    std::fill(together.begin(), together.end(), 0);
-    for (const std::uint32_t image : images[added]) {
-      for (const WordId word : observations[image].words) ++together[word];
+  for (std::size_t num_linked = 1; !frontier.empty(); ++num_linked) {
+    const Candidate link = frontier.take_best(tables, added, count_together(added, images, observations));
+    added = link.word;
+    if (link.mutual_information >= options.min_mutual_information) {
+      result.tree.nodes[added] = tables.child(added, link.parent, link.both);
+      result.mutual_information += link.mutual_information;
     }
-    std::size_t best = 0;
-    for (std::size_t i = 0; i < outside.size(); ++i) {
-      Candidate& candidate = outside[i];
-      const double information = tables.mutual_information(candidate.word, added, together[candidate.word]);
-      const bool is_tie = information == candidate.mutual_information && added < candidate.parent;
-      if (information > candidate.mutual_information || is_tie) {
-        candidate = {candidate.word, added, together[candidate.word], information};
-      }
-      const bool is_better =
-          candidate.mutual_information > outside[best].mutual_information ||
-          (candidate.mutual_information == outside[best].mutual_information && candidate.word < outside[best].word);
-      if (is_better) best = i;
-    }
-    const Candidate chosen = outside[best];
-    outside[best] = outside.back();
-    outside.pop_back();
-    added = chosen.word;
-    result.entropy += tables.entropy(added);
-    if (chosen.mutual_information >= options.min_mutual_information) {
-      result.tree.nodes[added] = tables.child(added, chosen.parent, chosen.both);
-      result.mutual_information += chosen.mutual_information;
-    } else {
-      result.tree.nodes[added] = tables.root(added);
-    }
-    if (options.progress) options.progress("linking words", num_words - outside.size(), num_words);
+    if (options.progress) options.progress("linking words", num_linked + 1, num_words);
   }
   return result;
 }

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "frontend/fabmap/chow_liu_training.h"
+#include "frontend/fabmap/detector_model.h"
+#include "frontend/fabmap/model.h"
+#include "frontend/features/feature_extractor.h"
+#include "frontend/progress.h"
+#include "frontend/sequence/sequence.h"
+
+namespace fabloop {
+
+/// How words are made of descriptors.
+enum class VocabularyMethod {
+  KMeans,  ///< To a wanted number of words; see train_k_means.
+  Radius,  ///< To a wanted resolution; see train_radius_clustering.
+};
+
+struct ModelTrainingOptions {
+  FeatureOptions features;  ///< How the images are described. Kept in the model.
+  VocabularyMethod method = VocabularyMethod::KMeans;
+  /// Only for k-means. None: default_num_words. More tell places apart better and want more training images.
+  std::optional<std::size_t> num_words;
+  double radius = 0.0;  ///< Only for radius clustering; see RadiusClusteringOptions.
+  /// At most about so many descriptors make the words, the same share of every image. Bounds time and memory.
+  std::size_t max_descriptors = 250000;
+  /// Descriptors of as many images as fit are kept from the first look at the images to the second; the others are asked
+  /// for twice. Bounds memory.
+  std::size_t max_kept_bytes = std::size_t{1} << 30;
+  std::size_t max_background = 1000;  ///< Observations kept for the sampled new place.
+  DetectorModel detector;             ///< Raise p_seen_if_present for detectors that repeat better.
+  ChowLiuOptions tree;                ///< Its progress is replaced by the one below.
+  std::uint64_t seed = 1;
+  int num_threads = 0;  ///< 0: all. The model does not depend on it.
+  std::string command;  ///< Kept in the model's provenance: the options that a user gave.
+  Progress progress;
+};
+
+/// What to look at before trusting a model.
+struct TrainingSummary {
+  std::size_t num_images = 0;
+  std::size_t num_images_without_words = 0;
+  std::size_t num_descriptors = 0;  ///< Those that the words were made of.
+  std::size_t num_words = 0;
+  std::size_t num_words_in_one_image = 0;  ///< Words that only one image shows: they cannot recognise anything in training.
+  double mean_words_per_image = 0.0;
+  double mutual_information = 0.0;  ///< Held by the tree, nats an image.
+  double entropy = 0.0;             ///< Of the words taken alone, nats an image.
+};
+
+struct TrainedModel {
+  Model model;
+  TrainingSummary summary;
+};
+
+/// The features of image i of those to train on. Called from several threads, and more than once for the same image.
+using FeatureSource = std::function<Features(std::size_t image)>;
+
+/// One word for 50 descriptors, at least 1 and at most 2,000.
+std::size_t default_num_words(std::size_t num_descriptors);
+
+/// A model from `num_images` images: words from their descriptors, the tree from the words that each shows, and a sample of
+/// the images as the background. The same images and options give the same model. Throws InputError when there are no
+/// images, no descriptors, or an option is invalid.
+TrainedModel train_model(std::size_t num_images, const FeatureSource& features, const ModelTrainingOptions& options = {});
+
+/// The same from all images of the sequences. Throws InputError also for an image that cannot be read.
+TrainedModel train_model(const std::vector<Sequence>& sequences, const ModelTrainingOptions& options = {});
+
+}  // namespace fabloop

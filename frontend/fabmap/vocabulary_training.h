@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <opencv2/core.hpp>
+
+#include "frontend/fabmap/vocabulary.h"
+#include "frontend/progress.h"
+
+namespace fabloop {
+
+struct KMeansOptions {
+  std::size_t num_words = 1000;  ///< More tell places apart better and want more training images.
+  int max_iterations = 25;
+  /// Stops when the mean squared distance falls by less than this part of it. Smaller for slightly better words.
+  double min_improvement = 1e-3;
+  std::uint64_t seed = 1;
+  int num_threads = 0;  ///< 0: all. The words do not depend on it.
+  Progress progress;
+};
+
+/// Words by k-means (Lloyd 1982) from a random choice of `descriptors` (N x D, as float_descriptors makes them). A word that
+/// loses all its descriptors starts again at the descriptor worst represented. Every word is the mean of at least one
+/// descriptor, so there are fewer than wanted where there are fewer different descriptors. Words of packed bits are means of
+/// bits. Throws InputError for no descriptors or no words wanted.
+Vocabulary train_k_means(const cv::Mat& descriptors, const KMeansOptions& options = {});
+
+struct RadiusClusteringOptions {
+  /// Euclidean distance, in units of the descriptor (the square root of the Hamming distance for packed bits). Smaller gives
+  /// more words. Must be set.
+  double radius = 0.0;
+  std::size_t max_words = 20000;  ///< More is an error, since the radius is then most likely wrong.
+  std::uint64_t seed = 1;         ///< Of the order in which descriptors are looked at.
+  int num_threads = 0;            ///< 0: all. The words do not depend on it.
+  Progress progress;
+};
+
+/// The descriptors, among `descriptors` (N x D) in random order, that are further than the radius from all chosen before.
+/// So all are further than the radius apart, and every descriptor has one within the radius (to the rounding of floats).
+/// Throws InputError for no descriptors, a radius that is not positive, and more words than allowed.
+cv::Mat radius_centres(const cv::Mat& descriptors, const RadiusClusteringOptions& options);
+
+/// Words by modified sequential clustering (Teynor & Burkhardt 2007; OpenFABMAP's): each is the mean of the descriptors
+/// nearest to one of radius_centres. Rare descriptors get words of their own, common ones no more than their share. Throws as
+/// radius_centres does.
+Vocabulary train_radius_clustering(const cv::Mat& descriptors, const RadiusClusteringOptions& options);
+
+}  // namespace fabloop
