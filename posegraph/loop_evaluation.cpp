@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "posegraph/loop_evaluation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <sstream>
+
+#include "frontend/error.h"
+
+namespace fabloop {
+namespace {
+
+double angle_deg(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  // A direction of length zero is across everything.
+  if (a.norm() == 0.0 || b.norm() == 0.0) return 90.0;
+  return deg_from_rad(std::atan2(a.cross(b).norm(), a.dot(b)));
+}
+
+const Pose* reference_of(const LoopTruth& truth, std::size_t frame) {
+  if (frame >= truth.world_from_camera.size()) {
+    throw InputError("loops.csv: frame " + std::to_string(frame) + " is beyond the " +
+                     std::to_string(truth.world_from_camera.size()) +
+                     " frames of the truth; is it the truth of another sequence?");
+  }
+  return truth.world_from_camera[frame] ? &*truth.world_from_camera[frame] : nullptr;
+}
+
+/// Fills the errors of the pose; true when it is within the rules.
+bool pose_agrees(const LoopRecord& record, const Pose& match_from_query, const LoopEvaluationOptions& options, JudgedLoop& loop) {
+  const Pose& measured = *record.match_from_query;
+  const double max_translation_m = options.max_translation_error * options.height_above_ground_m;
+  loop.rotation_error_deg = deg_from_rad(rotation_angle(measured.rotation.conjugate() * match_from_query.rotation));
+  if (loop.rotation_error_deg > options.max_rotation_error_deg) return false;
+  if (record.has_scale) return loop.translation_error_m <= max_translation_m;
+  const bool has_baseline = match_from_query.translation.norm() > max_translation_m;
+  return !has_baseline || loop.direction_error_deg <= options.max_direction_error_deg;
+}
+
+JudgedLoop judge(const LoopRecord& record, const LoopTruth& truth, const LoopEvaluationOptions& options) {
+  JudgedLoop loop{record.query, record.match};
+  const Pose* world_from_query = reference_of(truth, record.query);
+  const Pose* world_from_match = reference_of(truth, record.match);
+  if (!world_from_query || !world_from_match) return loop;
+
+  const Pose match_from_query = world_from_match->inverse() * *world_from_query;
+  const Eigen::Vector3d& measured = record.match_from_query->translation;
+  (record.has_scale ? loop.translation_error_m : loop.direction_error_deg) =
+      record.has_scale ? (measured - match_from_query.translation).norm() : angle_deg(measured, match_from_query.translation);
+  const bool agrees = pose_agrees(record, match_from_query, options, loop);
+
+  const auto [first, second] = std::minmax(record.query, record.match);
+  const bool near_in_time = second - first <= options.exclusion_window;
+  PairTruth pair;
+  if (truth.pairs) {
+    const auto found = truth.pairs->find({first, second});
+    if (found != truth.pairs->end()) pair = found->second;
+  }
+  const bool has_inliers = pair.num_inliers >= options.min_true_inliers;
+  if (truth.pairs && !near_in_time && pair.overlap < options.max_false_overlap && !has_inliers) {
+    loop.judgement = LoopJudgement::FalsePair;
+  } else if (!agrees) {
+    loop.judgement = LoopJudgement::FalsePose;
+  } else if (!truth.pairs || near_in_time || has_inliers || pair.overlap >= options.min_true_overlap) {
+    loop.judgement = LoopJudgement::True;
+  } else {
+    loop.judgement = LoopJudgement::UnclearPair;
+  }
+  return loop;
+}
+
+double query_recall(const std::vector<JudgedLoop>& loops, const LoopTruth& truth, const LoopEvaluationOptions& options) {
+  std::set<std::size_t> wanted;
+  for (const auto& [frames, pair] : *truth.pairs) {
+    if (pair.overlap >= options.min_recall_overlap) wanted.insert(frames.second);
+  }
+  std::set<std::size_t> found;
+  for (const JudgedLoop& loop : loops) {
+    if (loop.judgement == LoopJudgement::True && wanted.count(loop.query)) found.insert(loop.query);
+  }
+  return static_cast<double>(found.size()) / static_cast<double>(std::max<std::size_t>(1, wanted.size()));
+}
+
+}  // namespace
+
+LoopEvaluation evaluate_loops(const std::vector<LoopRecord>& records, const LoopTruth& truth,
+                              const LoopEvaluationOptions& options) {
+  LoopEvaluation result;
+  result.num_hypotheses = records.size();
+  for (const LoopRecord& record : records) {
+    if (!record.accepted() || !record.match_from_query) continue;
+    const JudgedLoop loop = judge(record, truth, options);
+    ++result.num_accepted;
+    switch (loop.judgement) {
+      case LoopJudgement::True:
+        ++result.num_true;
+        break;
+      case LoopJudgement::FalsePair:
+      case LoopJudgement::FalsePose:
+        ++result.num_false;
+        break;
+      case LoopJudgement::NoReference:
+      case LoopJudgement::UnclearPair:
+        ++result.num_unjudged;
+        break;
+    }
+    if (record.has_scale && loop.judgement != LoopJudgement::NoReference) ++result.num_with_scale;
+    result.loops.push_back(loop);
+  }
+  const std::size_t num_judged = result.num_true + result.num_false;
+  if (num_judged > 0) result.precision = static_cast<double>(result.num_true) / static_cast<double>(num_judged);
+  if (truth.pairs) result.query_recall = query_recall(result.loops, truth, options);
+  return result;
+}
+
+std::string recipe(const LoopTruth& truth, const LoopEvaluationOptions& options) {
+  std::ostringstream text;
+  if (truth.pairs) {
+    text << "a pair is true with overlap >= " << options.min_true_overlap << " or >= " << options.min_true_inliers
+         << " inliers, false with overlap < " << options.max_false_overlap
+         << " and fewer inliers, else not judged; frames within " << options.exclusion_window << " are not judged as pairs; ";
+  } else {
+    text << "no pairs are known, so loops are judged by their poses alone; ";
+  }
+  text << "a pose is false beyond " << options.max_rotation_error_deg << " deg or " << 100.0 * options.max_translation_error
+       << " % of " << options.height_above_ground_m
+       << " m height above ground (without scale: " << options.max_direction_error_deg << " deg of direction)";
+  if (truth.pairs) {
+    text << "; query recall is over queries with a pair of overlap >= " << options.min_recall_overlap;
+  }
+  return text.str();
+}
+
+std::string_view in_words(LoopJudgement judgement) {
+  switch (judgement) {
+    case LoopJudgement::True:
+      return "true";
+    case LoopJudgement::FalsePair:
+      return "false: pair";
+    case LoopJudgement::FalsePose:
+      return "false: pose";
+    case LoopJudgement::NoReference:
+      return "not judged: no reference";
+    case LoopJudgement::UnclearPair:
+      return "not judged: pair";
+  }
+  return "";
+}
+
+}  // namespace fabloop

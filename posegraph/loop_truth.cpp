@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "posegraph/loop_truth.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <string_view>
+
+#include "frontend/error.h"
+
+namespace fabloop {
+namespace {
+
+using Fields = std::vector<std::string>;
+
+Fields split(const std::string& line) {
+  Fields fields;
+  for (std::size_t start = 0; start <= line.size();) {
+    const std::size_t comma = std::min(line.find(',', start), line.size());
+    std::string field = line.substr(start, comma - start);
+    field.erase(0, field.find_first_not_of(" \t\r"));
+    field.erase(field.find_last_not_of(" \t\r") + 1);
+    fields.push_back(std::move(field));
+    start = comma + 1;
+  }
+  return fields;
+}
+
+/// Throws InputError at a line of a file.
+using Fail = std::function<void(const std::string& what)>;
+
+/// Calls `read` with the fields of each line that is neither empty nor a comment.
+void for_each_line(const std::filesystem::path& path, const std::function<void(const Fields&, const Fail&)>& read) {
+  std::ifstream file(path);
+  if (!file) throw InputError(path.string() + ": cannot be read; does the file exist?");
+  std::string line;
+  for (int number = 1; std::getline(file, line); ++number) {
+    if (line.find_first_not_of(" \t\r") == std::string::npos || line.front() == '#') continue;
+    const Fail fail = [&](const std::string& what) {
+      throw InputError(path.string() + ":" + std::to_string(number) + ": " + what);
+    };
+    read(split(line), fail);
+  }
+}
+
+std::size_t parse_position(const std::string& text, const Fail& fail) {
+  std::size_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size())
+    fail("'" + text + "' is not a whole number; give a position from 0");
+  return value;
+}
+
+double parse_number(const std::string& text, const Fail& fail) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
+    fail("'" + text + "' is not a finite number; correct or remove the line");
+  }
+  return value;
+}
+
+bool parse_flag(const std::string& text, const Fail& fail) {
+  if (text == "1" || text == "true") return true;
+  if (text != "0" && text != "false" && !text.empty()) fail("'" + text + "' is not 0 or 1");
+  return false;
+}
+
+constexpr std::array<const char*, 11> kLoopColumns = {"query", "match", "verdict", "has_scale", "tx", "ty",
+                                                      "tz",    "qx",    "qy",      "qz",        "qw"};
+
+/// Which field each of kLoopColumns is.
+using LoopLayout = std::array<std::size_t, kLoopColumns.size()>;
+
+LoopLayout read_head(const Fields& head, const Fail& fail) {
+  LoopLayout layout{};
+  for (std::size_t i = 0; i < kLoopColumns.size(); ++i) {
+    const auto found = std::find(head.begin(), head.end(), kLoopColumns[i]);
+    if (found == head.end()) {
+      fail("the head line has no column '" + std::string(kLoopColumns[i]) +
+           "'; write query,match,probability,verdict,matches,inliers,has_scale,tx,ty,tz,qx,qy,qz,qw");
+    }
+    layout[i] = static_cast<std::size_t>(found - head.begin());
+  }
+  return layout;
+}
+
+LoopRecord read_loop(const Fields& fields, const LoopLayout& layout, const Fail& fail) {
+  constexpr double kMaxQuaternionNormError = 1e-2;
+  const auto field = [&](std::size_t column) -> const std::string& { return fields[layout[column]]; };
+  LoopRecord record;
+  record.query = parse_position(field(0), fail);
+  record.match = parse_position(field(1), fail);
+  record.verdict = field(2);
+  if (!record.accepted()) return record;
+  record.has_scale = parse_flag(field(3), fail);
+  std::array<double, 7> v{};
+  for (std::size_t i = 0; i < v.size(); ++i) v[i] = parse_number(field(4 + i), fail);
+  const Eigen::Quaterniond rotation(v[6], v[3], v[4], v[5]);
+  if (std::abs(rotation.norm() - 1.0) > kMaxQuaternionNormError) fail("the quaternion (qx,qy,qz,qw) is not of unit length");
+  record.match_from_query = Pose{rotation.normalized(), {v[0], v[1], v[2]}};
+  return record;
+}
+
+}  // namespace
+
+bool LoopRecord::accepted() const { return verdict == "Accepted" || verdict == "accepted"; }
+
+std::vector<LoopRecord> read_loops(const std::filesystem::path& path) {
+  std::optional<LoopLayout> layout;
+  std::size_t num_columns = 0;
+  std::vector<LoopRecord> records;
+  for_each_line(path, [&](const Fields& fields, const Fail& fail) {
+    if (!layout) {
+      layout = read_head(fields, fail);
+      num_columns = fields.size();
+      return;
+    }
+    if (fields.size() != num_columns) {
+      fail("has " + std::to_string(fields.size()) + " columns, but the head line has " + std::to_string(num_columns));
+    }
+    records.push_back(read_loop(fields, *layout, fail));
+  });
+  if (!layout) throw InputError(path.string() + ": has no head line; write query,match,probability,verdict,... first");
+  return records;
+}
+
+std::vector<std::int64_t> read_frame_times(const std::filesystem::path& path) {
+  std::vector<std::int64_t> times_ns;
+  bool first = true;
+  for_each_line(path, [&](const Fields& fields, const Fail& fail) {
+    const auto time_ns = fields.size() >= 2 ? nanoseconds_from_seconds(fields[1]) : std::nullopt;
+    // A head line without '#' has no time in it.
+    if (!time_ns && !first) fail("has no time; a line is 'filename,timestamp_s'");
+    if (time_ns) times_ns.push_back(*time_ns);
+    first = false;
+  });
+  if (times_ns.empty()) throw InputError(path.string() + ": has no frames; a line is 'filename,timestamp_s'");
+  return times_ns;
+}
+
+std::map<std::pair<std::size_t, std::size_t>, PairTruth> read_pairs(const std::filesystem::path& path) {
+  std::map<std::pair<std::size_t, std::size_t>, PairTruth> pairs;
+  for_each_line(path, [&](const Fields& fields, const Fail& fail) {
+    if (fields.size() < 4) fail("has fewer than 4 columns; a line is 'i,j,distance,overlap,inliers'");
+    const std::size_t a = parse_position(fields[0], fail);
+    const std::size_t b = parse_position(fields[1], fail);
+    PairTruth truth;
+    if (!fields[3].empty()) truth.overlap = parse_number(fields[3], fail);
+    if (fields.size() > 4 && !fields[4].empty()) truth.num_inliers = parse_position(fields[4], fail);
+    pairs[{std::min(a, b), std::max(a, b)}] = truth;
+  });
+  return pairs;
+}
+
+std::vector<std::optional<Pose>> reference_poses(const std::vector<std::int64_t>& frame_times_ns, const Trajectory& reference,
+                                                 double max_time_difference_s) {
+  const auto max_difference_ns = static_cast<std::int64_t>(std::llround(max_time_difference_s * 1e9));
+  std::vector<std::optional<Pose>> poses(frame_times_ns.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const std::int64_t time_ns = frame_times_ns[i];
+    auto best = std::lower_bound(reference.begin(), reference.end(), time_ns,
+                                 [](const StampedPose& stamped, std::int64_t time) { return stamped.time_ns < time; });
+    if (best != reference.begin() && (best == reference.end() || time_ns - std::prev(best)->time_ns <= best->time_ns - time_ns))
+      --best;
+    if (best == reference.end()) continue;
+    if (std::abs(best->time_ns - time_ns) <= max_difference_ns) poses[i] = best->world_from_camera;
+  }
+  return poses;
+}
+
+}  // namespace fabloop

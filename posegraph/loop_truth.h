@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "frontend/geometry/pose.h"
+#include "frontend/sequence/trajectory.h"
+
+namespace fabloop {
+
+/// A line of a run's `loops.csv`: a hypothesis and what became of it.
+struct LoopRecord {
+  std::size_t query = 0;  ///< 0-based position of the frame in its sequence.
+  std::size_t match = 0;  ///< As `query`.
+  std::string verdict;    ///< Name of the enumerator: "Accepted", ...
+  bool has_scale = false;
+  std::optional<Pose> match_from_query;  ///< Where the line has one. Without scale only the translation's direction counts.
+
+  bool accepted() const;
+};
+
+/// What a truth says about a pair of frames.
+struct PairTruth {
+  double overlap = 0.0;         ///< Part of the smaller footprint that both see, in [0, 1].
+  std::size_t num_inliers = 0;  ///< Of an independent match; 0 where none was tried.
+};
+
+/// What loops are judged against.
+struct LoopTruth {
+  std::vector<std::optional<Pose>> world_from_camera;  ///< Reference pose of each frame, where known.
+  /// Pairs (i, j), i < j, by frame positions; an absent pair has no overlap. None: pairs are judged by their poses alone.
+  std::optional<std::map<std::pair<std::size_t, std::size_t>, PairTruth>> pairs;
+};
+
+/// Reads `loops.csv`: columns by the names in its head line, in any order; the pose may be empty where nothing was accepted.
+/// Throws InputError naming file and line for a missing column, a line that does not fit, an accepted line without a pose.
+std::vector<LoopRecord> read_loops(const std::filesystem::path& path);
+
+/// Reads lines `filename,timestamp_s` (`frames.csv`, `track.csv`): the time of each frame [ns], in the order of the lines.
+/// Throws InputError naming file and line.
+std::vector<std::int64_t> read_frame_times(const std::filesystem::path& path);
+
+/// Reads `pairs.csv` lines `i,j,distance,overlap,inliers` (the last two may be empty). Throws InputError naming file and line.
+std::map<std::pair<std::size_t, std::size_t>, PairTruth> read_pairs(const std::filesystem::path& path);
+
+/// The reference's pose at each frame's time, within `max_time_difference_s`.
+std::vector<std::optional<Pose>> reference_poses(const std::vector<std::int64_t>& frame_times_ns, const Trajectory& reference,
+                                                 double max_time_difference_s = 0.01);
+
+}  // namespace fabloop
