@@ -35,6 +35,20 @@ inline double rotation_angle(const Eigen::Quaterniond& rotation) {
   return 2.0 * std::atan2(rotation.vec().norm(), std::abs(rotation.w()));
 }
 
+/// The rotation by |v| radians about v.
+inline Eigen::Quaterniond rotation_from_vector(const Eigen::Vector3d& v) {
+  const double angle = v.norm();
+  return Eigen::Quaterniond(Eigen::AngleAxisd(angle, angle > 0 ? Eigen::Vector3d(v / angle) : Eigen::Vector3d::UnitX()));
+}
+
+/// [v]x: cross_matrix(v) * w = v x w.
+inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
+  return (Eigen::Matrix3d() << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0).finished();
+}
+
+/// Angle between two directions, in [0, pi] radians; exact for small ones too.
+inline double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
+
 inline constexpr double kPi = 3.14159265358979323846;
 inline constexpr double deg_from_rad(double radians) { return radians * 180.0 / kPi; }
 inline constexpr double rad_from_deg(double degrees) { return degrees * kPi / 180.0; }

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "frontend/features/features.h"
+
+namespace fabloop {
+
+/// A feature of the query and the feature of the match that looks most like it.
+struct Match {
+  int query = 0;  ///< Index into the query's features.
+  int match = 0;  ///< Index into the match's features.
+  float ratio = 0;  ///< Distance to the best over distance to the second best: small is distinctive.
+};
+
+struct MatchingOptions {
+  /// Lowe's ratio test (Lowe 2004, section 7.1). Raise it for repetitive ground, where geometry then has more to sort out.
+  double max_ratio = 0.85;
+  /// Features closer than this show the same spot (SIFT gives a spot one feature per orientation), and the second best
+  /// must show another one. 0 counts every feature for itself.
+  double same_spot_px = 2.0;
+};
+
+/// Matches that are each other's nearest and pass the ratio test, most distinctive first; at most one a spot of the query.
+/// Distances are Euclidean for float descriptors and Hamming for bits. Both sides must be of one kind.
+std::vector<Match> match_features(const Features& query, const Features& match, const MatchingOptions& options = {});
+
+}  // namespace fabloop

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "frontend/geometry/pose.h"
+
+namespace fabloop {
+
+/// Two rays that are said to see one point.
+struct RayPair {
+  Eigen::Vector3d query;  ///< Unit, query camera.
+  Eigen::Vector3d match;  ///< Unit, match camera.
+};
+
+struct RelativePoseOptions {
+  double max_error_rad = 0.004;  ///< Distance from the epipolar plane (about 2 px over 500 px of focal length).
+  double confidence = 0.999;     ///< Of having drawn one sample without outliers.
+  int max_iterations = 1500;     ///< Bounds the time spent on pairs that have no pose.
+  std::uint64_t seed = 0;
+};
+
+/// How two views relate up to scale.
+struct RelativePose {
+  Pose match_from_query;                  ///< Translation of unit length: a direction.
+  std::vector<std::size_t> inliers;       ///< Indices of agreeing pairs in front of both cameras, ascending.
+  Eigen::Matrix<double, 5, 5> information;  ///< Of (rotation in the query frame, direction on its tangent plane), 1/rad^2.
+  Eigen::Matrix<double, 3, 2> direction_basis;  ///< The tangent plane's axes in the match frame.
+  double rms_error_rad = 0;               ///< Of the inliers.
+  int iterations = 0;
+};
+
+/// Relative pose by RANSAC over OpenGV's five-point solver (Nister 2004), pairs sorted best first; refined on all inliers.
+/// None when there are fewer than six pairs or no sample gives a pose.
+std::optional<RelativePose> estimate_relative_pose(std::span<const RayPair> pairs, const RelativePoseOptions& options = {});
+
+/// Refines a known pose (an odometry's, say) on the pairs that agree with it; none when fewer than six do.
+std::optional<RelativePose> refine_relative_pose(std::span<const RayPair> pairs, const Pose& match_from_query,
+                                                 const RelativePoseOptions& options = {});
+
+/// Median angle between the rays of the given pairs once the rotation between the views is undone, radians.
+double median_parallax(std::span<const RayPair> pairs, std::span<const std::size_t> indices, const Pose& match_from_query);
+
+}  // namespace fabloop
