@@ -63,6 +63,34 @@ void turn_into_root_sift(cv::Mat& descriptors) {
   cv::sqrt(descriptors, descriptors);
 }
 
+/// The strongest of each part of the image, with their descriptors.
+Features detect_evenly(cv::Feature2D& detector, const cv::Mat& image, const FeatureOptions& options) {
+  Features features;
+  features.kind = options.kind;
+  std::vector<cv::KeyPoint> detected;
+  cv::Mat descriptors;
+  // SIFT's descriptors cost more than its scale space, so those that are dropped are not computed; with the others it is the
+  // other way round.
+  const bool describes_later = options.kind == FeatureKind::Sift;
+  if (describes_later) {
+    detector.detect(image, detected);
+  } else {
+    detector.detectAndCompute(image, cv::noArray(), detected, descriptors);
+  }
+  const auto kept = spatially_even(detected, image.size(), static_cast<std::size_t>(options.max_features));
+  features.keypoints.reserve(kept.size());
+  for (const std::size_t i : kept) features.keypoints.push_back(detected[i]);
+  if (describes_later && !kept.empty()) {
+    detector.compute(image, features.keypoints, features.descriptors);
+    return features;
+  }
+  features.descriptors.create(static_cast<int>(kept.size()), detector.descriptorSize(), detector.descriptorType());
+  for (std::size_t row = 0; row < kept.size(); ++row) {
+    descriptors.row(static_cast<int>(kept[row])).copyTo(features.descriptors.row(static_cast<int>(row)));
+  }
+  return features;
+}
+
 }  // namespace
 
 double default_detection_threshold(FeatureKind kind) {
@@ -93,22 +121,9 @@ FeatureExtractor::FeatureExtractor(const FeatureOptions& options) : options_(opt
 }
 
 Features FeatureExtractor::extract(const cv::Mat& gray) const {
-  assert(gray.type() == CV_8UC1 && "extract() takes an 8-bit grey image");
+  assert(!gray.empty() && gray.type() == CV_8UC1 && "extract() takes an 8-bit grey image");
   const cv::Mat image = equalized(gray, options_.clahe_clip_limit);
-  const cv::Ptr<cv::Feature2D> detector = make_detector(options_);
-  std::vector<cv::KeyPoint> detected;
-  cv::Mat descriptors;
-  detector->detectAndCompute(image, cv::noArray(), detected, descriptors);
-
-  Features features;
-  features.kind = options_.kind;
-  const auto kept = spatially_even(detected, gray.size(), static_cast<std::size_t>(options_.max_features));
-  features.keypoints.reserve(kept.size());
-  features.descriptors.create(static_cast<int>(kept.size()), detector->descriptorSize(), detector->descriptorType());
-  for (const std::size_t i : kept) {
-    descriptors.row(static_cast<int>(i)).copyTo(features.descriptors.row(static_cast<int>(features.keypoints.size())));
-    features.keypoints.push_back(detected[i]);
-  }
+  Features features = detect_evenly(*make_detector(options_), image, options_);
   if (options_.kind == FeatureKind::Sift && options_.root_sift) turn_into_root_sift(features.descriptors);
   return features;
 }

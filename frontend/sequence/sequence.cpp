@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
+#include <sstream>
 
 #include "frontend/error.h"
 #include "frontend/sequence/association.h"
@@ -22,6 +23,13 @@ constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 
 void warn(const SequenceOptions& options, const std::string& message) {
   if (options.warn) options.warn(message);
+}
+
+/// "0.01" rather than "0.010000".
+std::string number_text(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
 }
 
 std::string name_of(const fs::path& folder) {
@@ -114,7 +122,7 @@ std::vector<std::optional<Pose>> read_poses(const fs::path& file, const std::vec
   const auto max_difference_ns = static_cast<std::int64_t>(std::llround(options.max_time_difference_s * 1e9));
   auto poses = poses_at(trajectory, times_ns, max_difference_ns);
   if (std::none_of(poses.begin(), poses.end(), [](const auto& pose) { return pose.has_value(); })) {
-    throw InputError(file.string() + ": no pose is within " + std::to_string(options.max_time_difference_s) +
+    throw InputError(file.string() + ": no pose is within " + number_text(options.max_time_difference_s) +
                      " s of an image; poses span " + span_text(trajectory.front().time_ns, trajectory.back().time_ns) +
                      ", images span " + span_text(times_ns.front(), times_ns.back()) +
                      "; do both use the same clock, and does frames.csv give the images' times?");
@@ -131,7 +139,7 @@ void read_odometry(const fs::path& file, const SequenceOptions& options, std::ve
   }
   if (num_missing > 0) {
     warn(options, file.string() + ": " + std::to_string(num_missing) + " of " + std::to_string(frames.size()) +
-                      " frames have no odometry within " + std::to_string(options.max_time_difference_s) + " s");
+                      " frames have no odometry within " + number_text(options.max_time_difference_s) + " s");
   }
 }
 
@@ -139,7 +147,7 @@ void read_odometry(const fs::path& file, const SequenceOptions& options, std::ve
 
 Sequence read_sequence(const fs::path& folder, const SequenceOptions& options) {
   if (!(options.max_time_difference_s >= 0 && options.max_time_difference_s < 1e9)) {
-    throw InputError("max_time_difference_s is " + std::to_string(options.max_time_difference_s) + "; give 0 or more seconds");
+    throw InputError("max_time_difference_s is " + number_text(options.max_time_difference_s) + "; give 0 or more seconds");
   }
   require_folder(folder);
   Sequence sequence;

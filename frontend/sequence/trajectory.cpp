@@ -35,9 +35,11 @@ std::optional<std::int64_t> nanoseconds_from_seconds(std::string_view text) {
   if (negative) text.remove_prefix(1);
   const std::size_t dot = text.find('.');
   const std::string_view whole = text.substr(0, dot);
+  const std::string_view decimals = dot == std::string_view::npos ? std::string_view() : text.substr(dot + 1);
   std::int64_t seconds = 0;
   const auto [end, error] = std::from_chars(whole.data(), whole.data() + whole.size(), seconds);
-  const bool is_plain_decimal = error == std::errc() && end == whole.data() + whole.size() && !whole.empty() && whole.front() != '-';
+  const bool is_plain_decimal = error == std::errc() && end == whole.data() + whole.size() && !whole.empty() && whole.front() != '-' &&
+                                decimals.find_first_not_of("0123456789") == std::string_view::npos;
   if (!is_plain_decimal) {
     // Scientific notation, as some writers print it, holds no exact nanoseconds anyway.
     const auto value = parse_double(text);
@@ -48,14 +50,10 @@ std::optional<std::int64_t> nanoseconds_from_seconds(std::string_view text) {
   }
   if (seconds > std::numeric_limits<std::int64_t>::max() / kNanosecondsPerSecond - 1) return std::nullopt;
   std::int64_t fraction = 0;
-  if (dot != std::string_view::npos) {
-    const std::string_view digits = text.substr(dot + 1);
-    std::int64_t scale = kNanosecondsPerSecond;
-    for (const char digit : digits) {
-      if (digit < '0' || digit > '9') return std::nullopt;
-      scale /= 10;
-      fraction += scale * (digit - '0');
-    }
+  std::int64_t scale = kNanosecondsPerSecond;
+  for (const char digit : decimals) {
+    scale /= 10;
+    fraction += scale * (digit - '0');
   }
   const std::int64_t nanoseconds = seconds * kNanosecondsPerSecond + fraction;
   return negative ? -nanoseconds : nanoseconds;
