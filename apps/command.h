@@ -12,5 +12,6 @@ struct CommonOptions {
 };
 
 /// Each adds one command to the program: its options and, as the callback, what it does.
+void add_synth_command(CLI::App& program, const CommonOptions& common);
 
 }  // namespace fabloop::apps

@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
   program.add_flag("--quiet", common.quiet, "print only the result and errors");
   program.add_option("--threads", common.num_threads, "number of threads; results do not depend on it (default: all)")
       ->check(CLI::PositiveNumber);
+  add_synth_command(program, common);
 
   // We thread over images and candidates ourselves, so OpenCV's own threads would only compete.
   cv::setNumThreads(1);
