@@ -118,6 +118,7 @@ std::vector<std::optional<Pose>> read_poses(const fs::path& file, const std::vec
                                             const SequenceOptions& options) {
   const Trajectory trajectory = read_tum(file);
   std::vector<std::int64_t> times_ns;
+  times_ns.reserve(frames.size());
   for (const Frame& frame : frames) times_ns.push_back(frame.time_ns);
   const auto max_difference_ns = static_cast<std::int64_t>(std::llround(options.max_time_difference_s * 1e9));
   auto poses = poses_at(trajectory, times_ns, max_difference_ns);
