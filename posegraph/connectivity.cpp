@@ -46,6 +46,20 @@ Components connected_components(const PoseGraph& graph) {
   return components;
 }
 
+std::vector<std::size_t> find_anchors(const PoseGraph& graph, const Components& components) {
+  std::vector<bool> has_anchor(components.count, false);
+  for (std::size_t v = 0; v < graph.vertices.size(); ++v) {
+    if (graph.vertices[v].fixed) has_anchor[components.of_vertex[v]] = true;
+  }
+  std::vector<std::size_t> anchors;
+  for (std::size_t v = 0; v < graph.vertices.size(); ++v) {
+    const std::size_t component = components.of_vertex[v];
+    if (graph.vertices[v].fixed || !has_anchor[component]) anchors.push_back(v);
+    has_anchor[component] = true;
+  }
+  return anchors;
+}
+
 void chain_along_edges(PoseGraph& graph) {
   const auto edges_of = edges_of_vertices(graph);
   const Components components = connected_components(graph);

@@ -17,6 +17,10 @@ struct Components {
 /// Connected components over all edges.
 Components connected_components(const PoseGraph& graph);
 
+/// Positions, ascending, of the vertices that an optimisation must hold: those `fixed`, and the first of each component without
+/// one, since edges say nothing about where a component is.
+std::vector<std::size_t> find_anchors(const PoseGraph& graph, const Components& components);
+
 /// Sets every vertex by chaining edges breadth-first from the fixed vertices, in a component without one from its first
 /// vertex; those keep their poses. Edges without scale are chained with unit length, after a vertex's other edges.
 void chain_along_edges(PoseGraph& graph);

@@ -156,6 +156,18 @@ std::map<std::pair<std::size_t, std::size_t>, PairTruth> read_pairs(const std::f
   return pairs;
 }
 
+LoopTruth read_loop_truth(const std::filesystem::path& sequence_folder, double max_time_difference_s) {
+  const auto frames = sequence_folder / "frames.csv";
+  const auto track = sequence_folder / "track.csv";
+  const auto pairs = sequence_folder / "pairs.csv";
+  const Trajectory reference = read_tum(sequence_folder / "reference.tum");
+  const auto times_ns = read_frame_times(!std::filesystem::exists(frames) && std::filesystem::exists(track) ? track : frames);
+  LoopTruth truth;
+  truth.world_from_camera = reference_poses(times_ns, reference, max_time_difference_s);
+  if (std::filesystem::exists(pairs)) truth.pairs = read_pairs(pairs);
+  return truth;
+}
+
 std::vector<std::optional<Pose>> reference_poses(const std::vector<std::int64_t>& frame_times_ns, const Trajectory& reference,
                                                  double max_time_difference_s) {
   const auto max_difference_ns = static_cast<std::int64_t>(std::llround(max_time_difference_s * 1e9));

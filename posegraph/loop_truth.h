@@ -50,6 +50,10 @@ std::vector<std::int64_t> read_frame_times(const std::filesystem::path& path);
 /// Reads `pairs.csv` lines `i,j,distance,overlap,inliers` (the last two may be empty). Throws InputError naming file and line.
 std::map<std::pair<std::size_t, std::size_t>, PairTruth> read_pairs(const std::filesystem::path& path);
 
+/// The truth of a sequence folder: `reference.tum`, the frames of `frames.csv` or `track.csv`, and `pairs.csv` where there is
+/// one. Throws InputError naming the file that is missing or bad.
+LoopTruth read_loop_truth(const std::filesystem::path& sequence_folder, double max_time_difference_s = 0.01);
+
 /// The reference's pose at each frame's time, within `max_time_difference_s`.
 std::vector<std::optional<Pose>> reference_poses(const std::vector<std::int64_t>& frame_times_ns, const Trajectory& reference,
                                                  double max_time_difference_s = 0.01);

@@ -100,25 +100,9 @@ class ReportProgress final : public ceres::IterationCallback {
 };
 
 void check(const PoseGraph& graph, const OptimizeOptions& options) {
-  const auto is_finite = [](const Pose& pose) { return pose.rotation.coeffs().allFinite() && pose.translation.allFinite(); };
-  if (graph.dimension != 2 && graph.dimension != 3) throw InputError("pose graph: dimension must be 2 or 3");
+  check(graph);
   if (!(options.robust_probability > 0.0 && options.robust_probability < 1.0)) {
     throw InputError("robust probability must be between 0 and 1, both excluded");
-  }
-  for (const Vertex& vertex : graph.vertices) {
-    if (!is_finite(vertex.world_from_frame))
-      throw InputError("pose graph: vertex " + std::to_string(vertex.id) + " has a pose that is not finite");
-  }
-  for (std::size_t e = 0; e < graph.edges.size(); ++e) {
-    const Edge& edge = graph.edges[e];
-    const auto fail = [&](const std::string& what) {
-      throw InputError("pose graph: edge " + std::to_string(e) + " (counted from 0) " + what);
-    };
-    if (edge.from >= graph.vertices.size() || edge.to >= graph.vertices.size()) fail("refers to a vertex that is not there");
-    if (edge.from == edge.to) fail("joins a vertex to itself");
-    if (!is_finite(edge.from_from_to) || !edge.information.allFinite()) fail("has numbers that are not finite");
-    if (!edge.has_scale && graph.dimension == 2) fail("has no scale, which planar graphs do not support");
-    if (!edge.has_scale && edge.from_from_to.translation.norm() == 0.0) fail("has neither scale nor a direction");
   }
 }
 
@@ -126,17 +110,9 @@ void check(const PoseGraph& graph, const OptimizeOptions& options) {
 OptimizeReport describe(const PoseGraph& graph, Objective objective) {
   OptimizeReport report;
   const Components components = connected_components(graph);
-  std::vector<bool> has_anchor(components.count, false);
+  report.anchors = find_anchors(graph, components);
   std::vector<bool> has_scale(components.count, false);
   std::vector<bool> has_edge(components.count, false);
-  for (std::size_t v = 0; v < graph.vertices.size(); ++v) {
-    if (graph.vertices[v].fixed) has_anchor[components.of_vertex[v]] = true;
-  }
-  for (std::size_t v = 0; v < graph.vertices.size(); ++v) {
-    const std::size_t component = components.of_vertex[v];
-    if (graph.vertices[v].fixed || !has_anchor[component]) report.anchors.push_back(v);
-    has_anchor[component] = true;
-  }
   for (const Edge& edge : graph.edges) {
     const std::size_t component = components.of_vertex[edge.from];
     has_edge[component] = true;

@@ -49,4 +49,8 @@ struct PoseGraph {
   int dimension = 3;
 };
 
+/// Throws InputError naming the vertex or edge that is broken: an edge whose ends are not two vertices of the graph, numbers
+/// that are not finite, an edge without scale that has no direction either or is planar.
+void check(const PoseGraph& graph);
+
 }  // namespace fabloop

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "frontend/fabmap/model.h"
+#include "frontend/fabmap/model_training.h"
+#include "frontend/progress.h"
+#include "frontend/sequence/sequence.h"
+#include "posegraph/describe_sequence.h"
+#include "posegraph/mapper.h"
+
+namespace fabloop {
+
+struct MapSequenceOptions {
+  FeatureOptions features;  ///< Only without a model; a model brings its own.
+  IfDamaged if_damaged = IfDamaged::Skip;
+  MapperOptions mapper;
+  std::uint64_t seed = 1;  ///< Of training, RANSAC and sampling.
+  int num_threads = 0;     ///< 0: all. The result does not depend on it.
+  Warn warn;
+  Progress progress;
+};
+
+struct SequenceMap {
+  Map map;
+  Model model;                                   ///< As given, or as trained here.
+  std::optional<TrainingSummary> trained_here;   ///< When no model was given: on the sequence itself.
+  std::size_t num_damaged = 0;                   ///< Images that could not be read.
+};
+
+/// From a sequence with odometry to its map: describe the images, train a model on them when none is given, map frame by
+/// frame. Throws InputError for what the parts refuse, and when fewer than two frames have both an image and odometry.
+SequenceMap map_sequence(const Sequence& sequence, const std::optional<Model>& model, const MapSequenceOptions& options = {});
+
+}  // namespace fabloop

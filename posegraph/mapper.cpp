@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "posegraph/mapper.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+namespace fabloop {
+namespace {
+
+Edge odometry_edge(std::size_t from, const Pose& from_from_to) {
+  Edge edge;
+  edge.from = from;
+  edge.to = from + 1;
+  edge.from_from_to = from_from_to;
+  edge.kind = EdgeKind::Odometry;
+  return edge;
+}
+
+/// Length of a typical step, below which a step is as uncertain as a typical one's tenth.
+double median_step(const std::vector<Edge>& edges) {
+  std::vector<double> lengths;
+  for (const Edge& edge : edges) {
+    if (edge.kind == EdgeKind::Odometry) lengths.push_back(edge.from_from_to.translation.norm());
+  }
+  if (lengths.empty()) return 0;
+  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+  std::nth_element(lengths.begin(), middle, lengths.end());
+  return *middle;
+}
+
+}  // namespace
+
+Mapper::Mapper(const Camera& camera, const Model& model, const MapperOptions& options)
+    : options_(options), loop_closer_(camera, model, options.loops) {}
+
+void Mapper::process(const Frame& frame, DescribedFrame described) {
+  if (!frame.odom_from_camera) {
+    ++map_.num_without_odometry;
+    return;
+  }
+  add_vertex(frame, described.frame);
+  LoopEvent event = loop_closer_.add_keyframe({described.frame, std::move(described.features), *frame.odom_from_camera});
+  if (event.neighbour) add_neighbour_edge(*event.neighbour);
+  add_loop_edges(event);
+  if (has_new_loop_ && num_since_solve_ >= options_.solve_every) solve();
+  ++num_since_solve_;
+  map_.online_trajectory.push_back({frame.time_ns, map_.graph.vertices.back().world_from_frame});
+
+  map_.times.read_s.push_back(described.read_s);
+  map_.times.describe_s.push_back(described.describe_s);
+  map_.times.words_s.push_back(event.times.words_s);
+  map_.times.recognise_s.push_back(event.times.recognise_s);
+  map_.times.neighbour_s.push_back(event.times.neighbour_s);
+  map_.times.verify_s.push_back(event.times.verify_s);
+  map_.grey.push_back(std::move(described.grey));
+  map_.events.push_back(std::move(event));
+}
+
+void Mapper::add_vertex(const Frame& frame, std::size_t position) {
+  Vertex vertex;
+  vertex.id = static_cast<std::int64_t>(position);
+  vertex.world_from_frame = *frame.odom_from_camera;
+  if (!map_.graph.vertices.empty()) {
+    const Pose previous_from_current = odom_from_cameras_.back().inverse() * *frame.odom_from_camera;
+    map_.graph.edges.push_back(odometry_edge(map_.graph.vertices.size() - 1, previous_from_current));
+    vertex.world_from_frame = map_.graph.vertices.back().world_from_frame * previous_from_current;
+  }
+  map_.graph.vertices.push_back(vertex);
+  odom_from_cameras_.push_back(*frame.odom_from_camera);
+  map_.odometry_trajectory.push_back({frame.time_ns, *frame.odom_from_camera});
+}
+
+void Mapper::add_neighbour_edge(const NeighbourLink& link) {
+  Edge edge;
+  edge.from = vertex_of(link.previous);
+  edge.to = map_.graph.vertices.size() - 1;
+  edge.from_from_to = {link.previous_from_current.rotation, link.previous_from_current.translation.normalized()};
+  edge.information = link.information;
+  edge.kind = EdgeKind::Neighbour;
+  edge.has_scale = false;
+  map_.graph.edges.push_back(edge);
+  if (edge.from + 1 == edge.to) {
+    rotation_errors_deg_.push_back(link.rotation_error_deg);
+    direction_errors_deg_.push_back(link.direction_error_deg);
+  }
+}
+
+void Mapper::add_loop_edges(const LoopEvent& event) {
+  for (const HypothesisOutcome& outcome : event.hypotheses) {
+    if (outcome.verification.verdict != Verdict::Accepted) continue;
+    Edge edge;
+    edge.from = vertex_of(outcome.match);
+    edge.to = map_.graph.vertices.size() - 1;
+    edge.from_from_to = outcome.verification.match_from_query;
+    edge.information = outcome.verification.information;
+    edge.kind = EdgeKind::Loop;
+    edge.has_scale = outcome.verification.has_scale;
+    map_.graph.edges.push_back(edge);
+    has_new_loop_ = true;
+  }
+}
+
+std::size_t Mapper::vertex_of(std::size_t position) const {
+  const auto& vertices = map_.graph.vertices;
+  const auto found = std::lower_bound(vertices.begin(), vertices.end(), static_cast<std::int64_t>(position),
+                                      [](const Vertex& vertex, std::int64_t id) { return vertex.id < id; });
+  return static_cast<std::size_t>(found - vertices.begin());
+}
+
+void Mapper::solve() {
+  const auto start = std::chrono::steady_clock::now();
+  map_.odometry_noise = estimate_odometry_noise(rotation_errors_deg_, direction_errors_deg_, options_.odometry_noise);
+  constexpr double kStandstillShare = 0.1;
+  const double min_length = std::max(1e-6, kStandstillShare * median_step(map_.graph.edges));
+  for (Edge& edge : map_.graph.edges) {
+    if (edge.kind != EdgeKind::Odometry) continue;
+    edge.information = odometry_information(edge.from_from_to.translation.norm(), min_length, map_.odometry_noise);
+  }
+  map_.report = optimize(map_.graph, options_.optimize);
+  has_new_loop_ = false;
+  num_since_solve_ = 0;
+  map_.times.optimize_s.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+}
+
+Map Mapper::finish() {
+  solve();
+  // Loops in the order in which add_loop_edges() made them.
+  std::vector<Verification*> accepted;
+  for (LoopEvent& event : map_.events) {
+    for (HypothesisOutcome& outcome : event.hypotheses) {
+      if (outcome.verification.verdict == Verdict::Accepted) accepted.push_back(&outcome.verification);
+    }
+  }
+  std::vector<Edge> kept;
+  std::size_t loop = 0;
+  for (std::size_t i = 0; i < map_.graph.edges.size(); ++i) {
+    const bool is_loop = map_.graph.edges[i].kind == EdgeKind::Loop;
+    const bool contradicts = is_loop && map_.report.edges[i].weight < options_.min_loop_weight;
+    if (contradicts) accepted[loop]->verdict = Verdict::ContradictsMap;
+    if (!contradicts) kept.push_back(map_.graph.edges[i]);
+    loop += is_loop;
+  }
+  if (kept.size() < map_.graph.edges.size()) {
+    map_.graph.edges = std::move(kept);
+    solve();
+  }
+  for (std::size_t v = 0; v < map_.graph.vertices.size(); ++v) {
+    map_.final_trajectory.push_back({map_.odometry_trajectory[v].time_ns, map_.graph.vertices[v].world_from_frame});
+  }
+  map_.views = loop_closer_.views();
+  return std::move(map_);
+}
+
+}  // namespace fabloop

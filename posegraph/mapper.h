@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "frontend/fabmap/model.h"
+#include "frontend/progress.h"
+#include "frontend/sequence/sequence.h"
+#include "frontend/sequence/trajectory.h"
+#include "posegraph/describe_sequence.h"
+#include "posegraph/odometry_noise.h"
+#include "posegraph/optimize.h"
+#include "posegraph/pose_graph.h"
+#include "verification/loop_closer.h"
+
+namespace fabloop {
+
+struct MapperOptions {
+  LoopCloserOptions loops;
+  OptimizeOptions optimize{.objective = Objective::RotationVector, .robust_loss = RobustLoss::Cauchy};
+  OdometryNoise odometry_noise;  ///< Where the images do not show it.
+  /// After a loop, the graph is solved again once so many keyframes have come since the last time. 1 corrects at once; more
+  /// bounds the time a keyframe takes on long runs.
+  std::size_t solve_every = 10;
+  /// A loop whose robust weight ends below this contradicts the rest of the map, and its verdict says so.
+  double min_loop_weight = 0.1;
+};
+
+/// Seconds of each stage, one entry a keyframe (one a solve for `optimize_s`).
+struct MapTimes {
+  std::vector<double> read_s, describe_s, words_s, recognise_s, neighbour_s, verify_s, optimize_s;
+};
+
+/// What a mapped sequence looks like in the end.
+struct Map {
+  PoseGraph graph;                  ///< Vertex ids are positions in the sequence.
+  std::vector<LoopEvent> events;    ///< One a vertex: the ledger.
+  Trajectory final_trajectory;      ///< World is the odometry's frame, anchored at the first keyframe.
+  Trajectory online_trajectory;     ///< Each pose as it was believed when its frame was processed.
+  Trajectory odometry_trajectory;
+  std::vector<View> views;          ///< One a vertex, with their points.
+  std::vector<std::vector<std::uint8_t>> grey;  ///< One a vertex: of the image at each of the view's features.
+  OdometryNoise odometry_noise;     ///< As estimated.
+  OptimizeReport report;            ///< Of the last solve.
+  MapTimes times;
+  std::size_t num_without_odometry = 0;  ///< Frames left out for that reason.
+};
+
+/// The whole pipeline, image by image: appearance proposes, geometry proves, the graph bends.
+class Mapper {
+ public:
+  Mapper(const Camera& camera, const Model& model, const MapperOptions& options = {});
+
+  /// Frames in order of time. A frame without odometry is left out and counted.
+  void process(const Frame& frame, DescribedFrame described);
+
+  /// Solves the whole graph, withdraws the loops that contradict it, and hands everything over.
+  Map finish();
+
+ private:
+  void add_vertex(const Frame& frame, std::size_t position);
+  void add_loop_edges(const LoopEvent& event);
+  void add_neighbour_edge(const NeighbourLink& link);
+  std::size_t vertex_of(std::size_t position) const;
+  void solve();
+
+  MapperOptions options_;
+  LoopCloser loop_closer_;
+  Map map_;
+  std::vector<Pose> odom_from_cameras_;  ///< By vertex.
+  std::vector<double> rotation_errors_deg_, direction_errors_deg_;
+  bool has_new_loop_ = false;
+  std::size_t num_since_solve_ = 0;
+};
+
+}  // namespace fabloop

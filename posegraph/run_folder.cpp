@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "posegraph/run_folder.h"
+
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "frontend/sequence/trajectory.h"
+#include "posegraph/g2o_io.h"
+#include "posegraph/map_picture.h"
+#include "posegraph/run_summary.h"
+
+namespace fabloop {
+namespace {
+
+/// As many digits as it takes to get the same number back.
+std::string exact(double value) {
+  std::array<char, 32> text{};
+  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value);
+  return {text.data(), end};
+}
+
+Trajectory reference_of(const Sequence& sequence) {
+  Trajectory reference;
+  for (const Frame& frame : sequence.frames) {
+    if (frame.world_from_camera) reference.push_back({frame.time_ns, *frame.world_from_camera});
+  }
+  return reference;
+}
+
+void write_loop_row(std::ostream& out, std::size_t query, double p_new, std::size_t rank, const HypothesisOutcome& outcome) {
+  const Verification& v = outcome.verification;
+  const auto& t = v.match_from_query.translation;
+  const auto& q = v.match_from_query.rotation;
+  out << query << ',' << outcome.match << ',' << exact(outcome.probability) << ',' << to_string(v.verdict) << ',' << v.num_matches
+      << ',' << v.num_inliers << ',' << (v.has_scale ? 1 : 0);
+  for (const double value : {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()}) out << ',' << exact(value);
+  out << ',' << rank << ',' << exact(outcome.log_likelihood) << ',' << exact(p_new) << ',' << v.num_point_inliers << ','
+      << exact(v.log10_false_alarms) << ',' << exact(v.median_parallax_deg) << ',' << exact(v.rotation_sigma_deg) << ','
+      << exact(v.translation_sigma) << ',' << exact(v.rms_error_px) << ',' << v.num_iterations << '\n';
+}
+
+void append_float(std::string& bytes, double value) {
+  static_assert(std::endian::native == std::endian::little, "the PLY header promises little-endian numbers");
+  const auto as_float = static_cast<float>(value);
+  std::array<char, sizeof(float)> raw{};
+  std::memcpy(raw.data(), &as_float, sizeof(float));
+  bytes.append(raw.data(), raw.size());
+}
+
+}  // namespace
+
+RunErrors run_errors(const Sequence& sequence, const Map& map) {
+  const Trajectory reference = reference_of(sequence);
+  return {absolute_trajectory_error(map.odometry_trajectory, reference), absolute_trajectory_error(map.online_trajectory, reference),
+          absolute_trajectory_error(map.final_trajectory, reference)};
+}
+
+LoopCounts count_loops(const Map& map) {
+  LoopCounts counts;
+  for (const LoopEvent& event : map.events) {
+    counts.num_hypotheses += event.hypotheses.size();
+    for (const HypothesisOutcome& outcome : event.hypotheses) {
+      const bool accepted = outcome.verification.verdict == Verdict::Accepted;
+      counts.num_accepted += accepted;
+      counts.num_with_scale += accepted && outcome.verification.has_scale;
+    }
+  }
+  return counts;
+}
+
+void write_loops_csv(const std::filesystem::path& path, const Map& map) {
+  OutputFile file(path);
+  file.stream() << "query,match,probability,verdict,matches,inliers,has_scale,tx,ty,tz,qx,qy,qz,qw,rank,log_likelihood,p_new,"
+                   "point_inliers,log10_false_alarms,parallax_deg,rotation_sigma_deg,translation_sigma,rms_error_px,iterations\n";
+  for (const LoopEvent& event : map.events) {
+    for (std::size_t rank = 0; rank < event.hypotheses.size(); ++rank) {
+      write_loop_row(file.stream(), event.query, event.p_new, rank + 1, event.hypotheses[rank]);
+    }
+  }
+  file.commit();
+}
+
+void write_points_ply(const std::filesystem::path& path, const Map& map) {
+  std::string bytes;
+  std::size_t num_points = 0;
+  for (std::size_t v = 0; v < map.views.size(); ++v) {
+    const Pose& world_from_camera = map.graph.vertices[v].world_from_frame;
+    for (std::size_t i = 0; i < map.views[v].points_in_camera.size(); ++i) {
+      const auto& x_in_camera = map.views[v].points_in_camera[i];
+      if (!x_in_camera) continue;
+      const Eigen::Vector3d x_in_world = world_from_camera * *x_in_camera;
+      for (const double value : {x_in_world.x(), x_in_world.y(), x_in_world.z()}) append_float(bytes, value);
+      bytes.append(3, static_cast<char>(map.grey[v][i]));
+      ++num_points;
+    }
+  }
+  OutputFile file(path);
+  file.stream() << "ply\nformat binary_little_endian 1.0\ncomment world of trajectory.tum, metres of the odometry\nelement vertex "
+                << num_points
+                << "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
+                   "property uchar blue\nend_header\n";
+  file.stream().write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file.commit();
+}
+
+void write_run_folder(const std::filesystem::path& path, const Sequence& sequence, const SequenceMap& result,
+                      const MapSequenceOptions& options, OutputFolder::IfExists if_exists) {
+  OutputFolder folder(path, if_exists);
+  const auto& part = folder.part_path();
+  write_tum(part / "trajectory.tum", result.map.final_trajectory);
+  write_tum(part / "trajectory_online.tum", result.map.online_trajectory);
+  write_tum(part / "trajectory_odometry.tum", result.map.odometry_trajectory);
+  write_g2o(part / "graph.g2o", result.map.graph);
+  write_loops_csv(part / "loops.csv", result.map);
+  write_points_ply(part / "points.ply", result.map);
+  write_map_picture(part / "map.png", sequence, result.map);
+  write_run_summary(part / "summary.json", sequence, result, options);
+  folder.commit();
+}
+
+}  // namespace fabloop
