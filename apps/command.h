@@ -13,5 +13,9 @@ struct CommonOptions {
 
 /// Each adds one command to the program: its options and, as the callback, what it does.
 void add_synth_command(CLI::App& program, const CommonOptions& common);
+void add_train_command(CLI::App& program, const CommonOptions& common);
+void add_map_command(CLI::App& program, const CommonOptions& common);
+void add_optimize_command(CLI::App& program, const CommonOptions& common);
+void add_evaluate_command(CLI::App& program);
 
 }  // namespace fabloop::apps

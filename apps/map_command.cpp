@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cstdint>
+#include <filesystem>
+#include <iomanip>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "apps/command.h"
+#include "apps/progress_bar.h"
+#include "apps/run_report.h"
+#include "frontend/error.h"
+#include "frontend/fabmap/model.h"
+#include "posegraph/map_sequence.h"
+#include "posegraph/run_folder.h"
+
+namespace fabloop::apps {
+namespace {
+
+struct MapArguments {
+  std::string sequence;
+  std::string odometry, reference, camera, model, out;
+  std::string features = "sift";
+  std::string new_place = "mean-field";
+  double max_time_difference_s = 0.01;
+  bool strict = false;
+  bool overwrite = false;
+  MapSequenceOptions options;
+};
+
+void run_map(MapArguments& arguments, const CommonOptions& common) {
+  const auto if_exists = arguments.overwrite ? OutputFolder::IfExists::Replace : OutputFolder::IfExists::Refuse;
+  { const OutputFolder probe(arguments.out, if_exists); }  // before the work, not after it
+  if (arguments.odometry.empty()) {
+    throw InputError(arguments.sequence + ": give the odometry of these images with --odometry FILE (TUM format)");
+  }
+  SequenceOptions sequence_options{.camera = arguments.camera,
+                                   .odometry = arguments.odometry,
+                                   .reference = arguments.reference,
+                                   .max_time_difference_s = arguments.max_time_difference_s,
+                                   .warn = make_warn(common)};
+  const Sequence sequence = read_sequence(arguments.sequence, sequence_options);
+  std::optional<Model> model;
+  MapSequenceOptions& options = arguments.options;
+  options.features.kind = *feature_kind_from_string(arguments.features);
+  if (!arguments.model.empty()) model = read_model(arguments.model);
+  options.mapper.loops.recognizer.new_place = arguments.new_place == "sampled" ? NewPlaceModel::Sampled : NewPlaceModel::MeanField;
+  options.if_damaged = arguments.strict ? IfDamaged::Refuse : IfDamaged::Skip;
+  options.num_threads = common.num_threads;
+  options.warn = make_warn(common);
+  options.progress = make_progress(common);
+  if (!model && !common.quiet) {
+    std::cout << "no --model: training one on the sequence itself (`fabloop train` on other flights gives better probabilities)\n";
+  }
+  const SequenceMap result = map_sequence(sequence, model, options);
+  write_run_folder(arguments.out, sequence, result, options, if_exists);
+  print_run_report(std::cout, sequence, result, arguments.out);
+}
+
+void add_input_options(CLI::App* command, MapArguments& arguments) {
+  command->add_option("SEQUENCE", arguments.sequence, "folder with the images (itself or in images/)")->required();
+  command->add_option("--odometry", arguments.odometry, "TUM file: t tx ty tz qx qy qz qw, world_from_camera");
+  command->add_option("--model", arguments.model, "model of `fabloop train` (default: train on the sequence itself)");
+  command->add_option("--reference", arguments.reference, "TUM file to compare with (default: reference.tum in the folder)");
+  command->add_option("--camera", arguments.camera, "calibration file (default: camera.yaml in the folder, else EXIF)");
+  command->add_option("--out", arguments.out, "folder to write the run to")->required();
+  command->add_option("--max-time-difference", arguments.max_time_difference_s, "seconds between an image and its pose")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_flag("--strict", arguments.strict, "stop at an image that cannot be read instead of skipping it");
+  command->add_flag("--overwrite", arguments.overwrite, "replace the folder if it exists");
+}
+
+void add_method_options(CLI::App* command, MapArguments& arguments) {
+  MapSequenceOptions& options = arguments.options;
+  LoopCloserOptions& loops = options.mapper.loops;
+  command->add_option("--features", arguments.features, "what to detect, without a model")
+      ->check(CLI::IsMember({"sift", "orb", "akaze"}))
+      ->capture_default_str();
+  command->add_option("--max-features", options.features.max_features, "at most so many features an image, without a model")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--hypotheses", loops.hypotheses.max_hypotheses, "how many places to verify for each image")->capture_default_str();
+  command->add_option("--min-probability", loops.hypotheses.min_probability, "verify only places at least so probable")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command->add_option("--window", loops.hypotheses.num_recent_excluded, "how many of the latest images are no loops")->capture_default_str();
+  command->add_option("--new-place", arguments.new_place, "likelihood of a new place; sampled needs a model of other places")
+      ->check(CLI::IsMember({"mean-field", "sampled"}))
+      ->capture_default_str();
+  command->add_option("--min-inliers", loops.verifier.min_inliers, "least inliers of a loop")->capture_default_str();
+  command->add_option("--max-error-px", loops.verifier.max_error_px, "largest epipolar error of an inlier")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--seed", options.seed, "another number: other samples")->capture_default_str();
+}
+
+}  // namespace
+
+void add_map_command(CLI::App& program, const CommonOptions& common) {
+  const auto arguments = std::make_shared<MapArguments>();
+  CLI::App* command = program.add_subcommand("map", "Images and odometry in, a corrected map with its proven loops out");
+  add_input_options(command, *arguments);
+  add_method_options(command, *arguments);
+  command->callback([arguments, &common] { run_map(*arguments, common); });
+}
+
+}  // namespace fabloop::apps
