@@ -21,8 +21,8 @@ namespace {
 constexpr int kBandRows = 64;
 
 /// Light from the sky alone, in shadow; and the sun's share on a surface that faces it.
-constexpr float kSkyLight = 0.42F;
-constexpr float kSunLight = 0.70F;
+constexpr float kSkyLight = 0.46F;
+constexpr float kSunLight = 0.80F;
 
 constexpr int kNumTextureLevels = 4;
 

@@ -11,7 +11,7 @@ namespace fabloop {
 /// How a meadow is made.
 struct MeadowOptions {
   std::uint64_t seed = 1;          ///< Another number: another meadow.
-  double texture_m_per_px = 0.04;  ///< Coarser is faster to make and looks softer from low flights.
+  double texture_m_per_px = 0.05;  ///< Coarser is faster to make and looks softer from low flights.
   double height_m_per_px = 0.1;    ///< Coarser rounds trees and the shed.
   double sun_elevation_deg = 48;   ///< Lower: longer shadows.
   double sun_azimuth_deg = 140;    ///< From north, clockwise: where the sun stands.

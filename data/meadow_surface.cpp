@@ -42,7 +42,7 @@ float canopy_height(const MeadowObject& plant, float x, float y, std::uint32_t s
   const float ragged = std::hypot(dx, dy) / radius_m + 0.12F + 0.22F * fractal_noise(x / 0.9F, y / 0.9F, 2, seed + 21);
   if (ragged >= 1.0F) return 0;
   const float clumps = 0.85F + 0.2F * value_noise(x / 0.45F, y / 0.45F, seed + 22);
-  return static_cast<float>(plant.height_m) * std::sqrt(1.0F - std::max(0.0F, ragged * ragged)) * clumps;
+  return static_cast<float>(plant.height_m) * (1.0F - std::max(0.0F, ragged * ragged)) * clumps;
 }
 
 float bale_height(const MeadowObject& bale, float x, float y) {
@@ -63,12 +63,15 @@ float object_height(const MeadowObject& object, float x, float y, std::uint32_t 
   return 0;
 }
 
-/// Brightness of grass: tussocks, tufts, blades.
+/// Brightness of grass: clumps, tussocks, blades. The spectrum is nearly flat below half a metre, as it is in a sward.
 float grass_grain(float x, float y, float roughness, std::uint32_t seed) {
   const float clumps = fractal_noise(x / 2.3F, y / 2.3F, 2, seed + 31);
-  const float blades = fractal_noise(x / 0.55F, y / 0.55F, 4, seed + 32);
-  const float tufts = smooth_step(0.22F, 0.5F, fractal_noise(x / 0.95F, y / 0.95F, 2, seed + 33));
-  return 1.0F + 0.14F * clumps + (0.22F + 0.14F * roughness) * blades - 0.22F * roughness * tufts;
+  const float tussocks = value_noise(x / 0.47F + 0.3F * y, y / 0.47F - 0.3F * x, seed + 32);
+  const float tufts = value_noise(x / 0.23F - 0.9F * y, y / 0.23F + 0.9F * x, seed + 33);
+  const float blades = value_noise(x / 0.11F, y / 0.11F, seed + 34);
+  const float dark = smooth_step(0.45F, 0.8F, tussocks + 0.3F * tufts);
+  return 1.0F + 0.14F * clumps + (0.85F + 0.15F * roughness) * (0.10F * tussocks + 0.155F * tufts + 0.145F * blades) -
+         0.2F * roughness * dark;
 }
 
 Colour pasture(float x, float y, float dryness, std::uint32_t seed) {
@@ -94,9 +97,9 @@ Colour mown(const MeadowLayout& layout, int parcel, float x, float y, float dryn
 Colour hay(const MeadowLayout& layout, int parcel, float x, float y, float dryness) {
   const float phase = across_rows(layout, parcel, x, y, 3.1F);
   const float ridge = 0.5F + 0.5F * std::cos(2.0F * static_cast<float>(kPi) * phase);
-  const float straw = smooth_step(0.45F, 0.95F, ridge + 0.5F * fractal_noise(x / 0.7F, y / 0.7F, 3, layout.seed + 42));
-  const Colour stubble = blend(rgb(128, 130, 76), rgb(152, 144, 96), dryness) * grass_grain(x, y, 0.5F, layout.seed);
-  return blend(stubble, rgb(178, 164, 116) * grass_grain(x, y, 0.6F, layout.seed + 5), 0.6F * straw);
+  const float straw = smooth_step(0.45F, 0.95F, ridge + 0.5F * fractal_noise(x / 0.7F, y / 0.7F, 2, layout.seed + 42));
+  const Colour stubble = blend(rgb(128, 130, 76), rgb(152, 144, 96), dryness);
+  return blend(stubble, rgb(178, 164, 116), 0.6F * straw) * grass_grain(x, y, 0.5F, layout.seed);
 }
 
 Colour soil(float x, float y, std::uint32_t seed) {
@@ -135,6 +138,18 @@ float molehill(float x, float y, std::uint32_t seed) {
   const float radius_m = 0.22F + 0.16F * value_noise(cx, cy, seed + 64);
   const float ragged = 0.1F * value_noise(x / 0.2F, y / 0.2F, seed + 65);
   return 1.0F - smooth_step(0.75F, 1.15F, std::hypot(dx, dy) * kSquareM / radius_m + ragged);
+}
+
+/// Patches worn bare.
+float bareness(float x, float y, std::uint32_t seed) {
+  constexpr float kBegin = 0.40F;
+  constexpr float kFull = 0.56F;
+  // Turned against the axes, along which such noise has its straight edges.
+  const float u = (0.8F * x - 0.6F * y) / 8.0F;
+  const float v = (0.6F * x + 0.8F * y) / 8.0F;
+  // The first octave has 16 of the 31 parts: where it is low, the others cannot make up for it.
+  if (16.0F / 31.0F * value_noise(u, v, seed + 72) + 15.0F / 31.0F < kBegin) return 0;
+  return smooth_step(kBegin, kFull, fractal_noise(u, v, 5, seed + 72));
 }
 
 }  // namespace
@@ -176,7 +191,7 @@ Colour ground_colour(const MeadowLayout& layout, float x, float y) {
   if (parcel.edge_m < 1.2F) {  // an uncut margin between parcels
     colour = blend(pasture(x, y, 0.3F, seed + 3) * 0.85F, colour, smooth_step(0.4F, 1.2F, parcel.edge_m));
   }
-  const float bare = smooth_step(0.42F, 0.55F, fractal_noise(x / 8.0F, y / 8.0F, 4, seed + 72));
+  const float bare = bareness(x, y, seed);
   if (bare > 0) colour = blend(colour, soil(x, y, seed), 0.7F * bare);
   for (const auto& path : layout.paths) {
     const Wear wear = wear_of(path, x, y);
@@ -193,9 +208,9 @@ Colour object_colour(const MeadowLayout& layout, const Cover& cover, float x, fl
   switch (object.kind) {
     case MeadowObject::Kind::Tree:
     case MeadowObject::Kind::Bush: {
-      const float leaves = fractal_noise(x / 0.6F, y / 0.6F, 3, layout.seed + 81);
+      const float leaves = fractal_noise(x / 0.45F, y / 0.45F, 3, layout.seed + 81);
       const float height = std::min(1.0F, cover.height_m / static_cast<float>(object.height_m));
-      return blend(rgb(58, 78, 42), rgb(92, 104, 52), 0.5F + 0.5F * object.tint) * own * (0.6F + 0.5F * height + 0.5F * leaves);
+      return blend(rgb(58, 78, 42), rgb(92, 104, 52), 0.5F + 0.5F * object.tint) * own * (0.85F + 0.35F * height + 0.7F * leaves);
     }
     case MeadowObject::Kind::Bale:
       return rgb(186, 168, 112) * own * (1.0F + 0.25F * fractal_noise(x / 0.3F, y / 0.3F, 2, layout.seed + 82));

@@ -80,7 +80,7 @@ CameraEffects draw_camera_effects(std::size_t frame, const CameraEffectsOptions&
   const double heading = kPi / 2 + 0.5 * random.normal();
   const double length_px = blur * random.uniform(0, options.max_motion_px);
   effects.motion_px = length_px * Eigen::Vector2d(std::cos(heading), std::sin(heading));
-  effects.defocus_px = blur * random.uniform(0.35, 0.65);
+  effects.defocus_px = blur * random.uniform(0.3, 0.6);
   effects.noise = options.noise;
   effects.noise_seed = random.bits();
   return effects;
@@ -94,6 +94,11 @@ cv::Mat3b photograph(const cv::Mat3b& clean, const CameraEffects& effects) {
     image = clean.clone();
   }
   if (effects.defocus_px > 0.1) cv::GaussianBlur(image, image, {}, effects.defocus_px);
+  if (effects.sharpening > 0) {
+    cv::Mat3b smooth;
+    cv::GaussianBlur(image, smooth, {}, 1.0);
+    cv::addWeighted(image, 1 + effects.sharpening, smooth, -effects.sharpening, 0, image);
+  }
   for (int row = 0; row < image.rows; ++row) expose_row(image[row], row, image.size(), effects);
   return image;
 }

@@ -12,6 +12,7 @@ struct CameraEffects {
   double gain = 1;                     ///< Exposure: factor on the brightness.
   Eigen::Vector2d motion_px = {0, 0};  ///< Way of the picture over the sensor during the exposure.
   double defocus_px = 0.5;             ///< Standard deviation of the blur of the lens.
+  double sharpening = 0.6;             ///< Share of the detail that the camera adds again (an unsharp mask of 1 px). 0: none.
   double noise = 2.5;                  ///< Standard deviation of a pixel at mid grey, of 255.
   double vignetting = 0.12;            ///< Loss of light in the corners, in [0, 1].
   std::uint64_t noise_seed = 0;
@@ -21,7 +22,7 @@ struct CameraEffects {
 struct CameraEffectsOptions {
   std::uint64_t seed = 1;
   double exposure_spread = 0.18;  ///< Slow changes of the exposure (clouds, automatic exposure), as a logarithm. 0: none.
-  double max_motion_px = 2.0;     ///< Longest motion blur of usual frames.
+  double max_motion_px = 1.6;     ///< Longest motion blur of usual frames.
   double p_soft = 0.03;           ///< Share of frames that are blurred three times as much: a gust, a focus hunt.
   double noise = 2.5;             ///< See CameraEffects.
 };

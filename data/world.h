@@ -44,7 +44,7 @@ struct World {
   /// What the sun makes of the surface, shadows included: `CV_8UC3`, BGR, rows going north, each level half the size of the
   /// one before. Sample (row 0, column 0) of level 0 lies at area.min.
   std::vector<cv::Mat3b> texture;
-  double texture_m_per_px = 0.04;  ///< Of level 0.
+  double texture_m_per_px = 0.05;  ///< Of level 0.
 };
 
 }  // namespace fabloop
