@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "frontend/fabmap/place_recognizer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "frontend/error.h"
+#include "frontend/parallel.h"
+#include "tests/support/tree_sampling.h"
+
+namespace fabloop {
+namespace {
+
+using testing::random_tree;
+using testing::TreeSampler;
+
+constexpr double kEnginesAgree = 1e-9;
+constexpr double kSumsToOne = 1e-12;
+
+double sum(const Belief& belief) { return std::accumulate(belief.p_place.begin(), belief.p_place.end(), belief.p_new); }
+
+TEST(PlaceRecognizer, EnginesAgreeOnRandomTreesAndPlaces) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const ChowLiuTree tree = random_tree(50 * seed, 0.1, seed);
+    TreeSampler sampler(tree, seed);
+    const std::vector<Observation> background = sampler.draw(20);
+    const DetectorModel detector = {0.39, seed % 2 == 0 ? 0.0 : 0.02};
+    for (const NewPlaceModel new_place : {NewPlaceModel::MeanField, NewPlaceModel::Sampled}) {
+      PlaceRecognizer exact(tree, detector, background, {LikelihoodEngine::Exact, new_place, 10});
+      PlaceRecognizer index(tree, detector, background, {LikelihoodEngine::InvertedIndex, new_place, 10});
+      for (int i = 0; i < 30; ++i) {
+        const Observation observation = sampler.draw();
+        const Belief expected = exact.recognize(observation);
+        const Belief belief = index.recognize(observation);
+        EXPECT_NEAR(belief.log_likelihood_new, expected.log_likelihood_new, kEnginesAgree);
+        for (std::size_t place = 0; place < expected.p_place.size(); ++place) {
+          EXPECT_NEAR(belief.log_likelihood[place], expected.log_likelihood[place], kEnginesAgree);
+          EXPECT_NEAR(belief.p_place[place], expected.p_place[place], kEnginesAgree);
+        }
+        for (PlaceRecognizer* recognizer : {&exact, &index}) {
+          // Every third image is one more visit, of places visited once and of places visited more often.
+          if (i % 3 == 2)
+            recognizer->add_visit(static_cast<PlaceId>(i % 2), observation);
+          else
+            recognizer->add_place(observation);
+        }
+      }
+    }
+  }
+}
+
+TEST(PlaceRecognizer, BeliefSumsToOne) {
+  const ChowLiuTree tree = random_tree(500, 0.05, 7);
+  TreeSampler sampler(tree, 7);
+  PlaceRecognizer recognizer(tree, {});
+  for (int i = 0; i < 300; ++i) {
+    const Observation observation = sampler.draw();
+    EXPECT_NEAR(sum(recognizer.recognize(observation)), 1.0, kSumsToOne);
+    recognizer.add_place(observation);
+  }
+}
+
+TEST(PlaceRecognizer, KnowsPlacesAgainAndNewPlacesAsNew) {
+  const ChowLiuTree tree = random_tree(1000, 0.05, 8);
+  TreeSampler sampler(tree, 8);
+  PlaceRecognizer recognizer(tree, {0.8, 0.0});
+  const std::vector<Observation> places = sampler.draw(50);
+  for (const Observation& place : places) recognizer.add_place(place);
+  for (PlaceId place = 0; place < 50; ++place) {
+    Observation again = places[place];
+    for (std::size_t i = 0; i < again.words.size(); i += 4)
+      again.words.erase(again.words.begin() + static_cast<std::ptrdiff_t>(i));
+    EXPECT_GT(recognizer.recognize(again).p_place[place], 0.99);
+  }
+  EXPECT_GT(recognizer.recognize(sampler.draw()).p_new, 0.5);
+}
+
+TEST(PlaceRecognizer, ListensToThePrior) {
+  const ChowLiuTree tree = random_tree(100, 0.1, 9);
+  TreeSampler sampler(tree, 9);
+  PlaceRecognizer recognizer(tree, {});
+  const Observation observation = sampler.draw();
+  recognizer.add_place(observation);
+  recognizer.add_place(observation);
+  const Belief even = recognizer.recognize(observation);
+  EXPECT_DOUBLE_EQ(even.p_place[0], even.p_place[1]);
+  const Belief biased = recognizer.recognize(observation, {0.1, {0.6, 0.3}});
+  EXPECT_NEAR(biased.p_place[0], 2.0 * biased.p_place[1], kSumsToOne);
+  const Belief excluded = recognizer.recognize(observation, without_recent_places(uniform_prior(2), 1));
+  EXPECT_EQ(excluded.p_place[1], 0.0);
+  EXPECT_NEAR(sum(excluded), 1.0, kSumsToOne);
+  EXPECT_THROW(recognizer.recognize(observation, uniform_prior(3)), InputError);
+}
+
+TEST(PlaceRecognizer, StaysFiniteWhereProbabilitiesUnderflow) {
+  const Belief belief = posterior(uniform_prior(3), {-1.0, -5000.0, -6000.0}, -7000.0);
+  EXPECT_EQ(belief.p_place[1], 0.0);
+  EXPECT_NEAR(belief.log_p_place[1] - belief.log_p_place[2], 1000.0, kSumsToOne);
+  EXPECT_NEAR(sum(belief), 1.0, kSumsToOne);
+}
+
+TEST(PlaceRecognizer, TakesImagesWithoutWordsAndVocabulariesOfOneWord) {
+  const ChowLiuTree one_word = {{{std::nullopt, 0.2, 0.2, 0.2}}};
+  PlaceRecognizer recognizer(one_word, {});
+  EXPECT_EQ(recognizer.recognize({}).p_new, 1.0);
+  recognizer.add_place({});
+  recognizer.add_place({{0}});
+  const Belief belief = recognizer.recognize({{0}});
+  EXPECT_GT(belief.p_place[1], belief.p_place[0]);
+  EXPECT_NEAR(sum(belief), 1.0, kSumsToOne);
+  EXPECT_NEAR(sum(recognizer.recognize({})), 1.0, kSumsToOne);
+}
+
+TEST(PlaceRecognizer, AnswersQueriesInParallel) {
+  const ChowLiuTree tree = random_tree(300, 0.1, 10);
+  TreeSampler sampler(tree, 10);
+  PlaceRecognizer recognizer(tree, {});
+  for (const Observation& place : sampler.draw(100)) recognizer.add_place(place);
+  const std::vector<Observation> queries = sampler.draw(64);
+  std::vector<Belief> beliefs(queries.size());
+  parallel_for(queries.size(), 4, [&](std::size_t i) { beliefs[i] = recognizer.recognize(queries[i]); });
+  for (std::size_t i = 0; i < queries.size(); ++i) EXPECT_EQ(beliefs[i].p_place, recognizer.recognize(queries[i]).p_place);
+}
+
+TEST(PlaceRecognizer, RefusesWhatItCannotUse) {
+  const ChowLiuTree tree = random_tree(10, 0.2, 11);
+  EXPECT_THROW(PlaceRecognizer(ChowLiuTree{}, {}), InputError);
+  EXPECT_THROW(PlaceRecognizer(tree, {1.5, 0.0}), InputError);
+  PlaceRecognizerOptions sampled;
+  sampled.new_place = NewPlaceModel::Sampled;
+  EXPECT_THROW(PlaceRecognizer(tree, {}, {}, sampled), InputError);
+  PlaceRecognizer recognizer(tree, {});
+  EXPECT_THROW(recognizer.recognize({{10}}), InputError);
+  EXPECT_THROW(recognizer.add_place({{3, 2}}), InputError);
+  EXPECT_EQ(recognizer.num_places(), 0u);
+}
+
+TEST(PlaceModel, CountsVisitsAndDetections) {
+  PlaceModel place;
+  add_visit(place, {{1, 5}});
+  add_visit(place, {{0, 5, 9}});
+  add_visit(place, {});
+  EXPECT_EQ(place.visits, 3u);
+  EXPECT_EQ(place.words, (std::vector<WordId>{0, 1, 5, 9}));
+  EXPECT_EQ(place.detections, (std::vector<std::uint32_t>{1, 1, 2, 1}));
+}
+
+}  // namespace
+}  // namespace fabloop
