@@ -15,6 +15,7 @@ namespace {
 struct SynthArguments {
   std::string scene = "meadow";
   std::string out;
+  double drift = 1;  ///< Factor on every error of the odometry.
   bool depth = false;
   bool overwrite = false;
   SyntheticFlightOptions options;
@@ -23,6 +24,11 @@ struct SynthArguments {
 void run_synth(SynthArguments& arguments, const CommonOptions& common) {
   arguments.options.num_threads = common.num_threads;
   arguments.options.progress = make_progress(common);
+  auto& drift_options = arguments.options.drift;
+  for (double* error : {&drift_options.scale_error, &drift_options.translation_noise, &drift_options.rotation_noise_deg,
+                        &drift_options.heading_drift_deg_per_100m}) {
+    *error *= arguments.drift;
+  }
   arguments.options.depth_images = arguments.depth ? DepthImages::Written : DepthImages::None;
   const auto if_exists = arguments.overwrite ? OutputFolder::IfExists::Replace : OutputFolder::IfExists::Refuse;
   const SyntheticFlight flight = write_synthetic_flight(arguments.out, arguments.options, if_exists);
@@ -43,6 +49,9 @@ void add_synth_command(CLI::App& program, const CommonOptions& common) {
       ->capture_default_str();
   command->add_option("--length", arguments->options.flight.length_m, "length of the path, metres")->capture_default_str();
   command->add_option("--spacing", arguments->options.flight.spacing_m, "metres between images")->capture_default_str();
+  command->add_option("--drift", arguments->drift, "how much the odometry errs: 0 not at all, 1 as a real one, 2 twice as much")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
   command->add_flag("--depth", arguments->depth, "write depth images as well (16 bit, millimetres)");
   command->add_flag("--overwrite", arguments->overwrite, "replace the folder if it exists");
   command->callback([arguments, &common] { run_synth(*arguments, common); });

@@ -2,8 +2,8 @@
 #include "data/meadow.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
+#include <functional>
 #include <mutex>
 #include <opencv2/imgproc.hpp>
 
