@@ -50,9 +50,9 @@ struct OptimizeOptions {
   /// Stop when an iteration lowers the cost by less than this part of it. Larger for a quick preview.
   double cost_tolerance = 1e-10;
   /// Told after each iteration: done of max_iterations.
-  Progress progress;
+  Progress progress = {};
   /// Asked after each iteration; true stops with the best poses so far.
-  std::function<bool()> cancelled;
+  std::function<bool()> cancelled = {};
 };
 
 /// What an edge contributed at the end.

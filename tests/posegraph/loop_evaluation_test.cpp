@@ -9,6 +9,8 @@
 namespace fabloop {
 namespace {
 
+using test::shift;
+
 /// Frames 10 m apart on a line, 60 m up; frame 40 has no reference. Pair (0, 20) overlaps, (0, 21) by its inliers, (0, 22) is
 /// unclear.
 LoopTruth make_truth() {
@@ -53,14 +55,14 @@ TEST(LoopEvaluation, FramesNearInTimeAreJudgedByPoseAlone) {
   const LoopTruth truth = make_truth();
   EXPECT_EQ(judgement(accepted(truth, 15, 5), truth), LoopJudgement::True);
   EXPECT_EQ(judgement(accepted(truth, 16, 5), truth), LoopJudgement::FalsePair);
-  EXPECT_EQ(judgement(accepted(truth, 15, 5, {{}, {0, 7, 0}}), truth), LoopJudgement::FalsePose);
+  EXPECT_EQ(judgement(accepted(truth, 15, 5, shift(0, 7, 0)), truth), LoopJudgement::FalsePose);
 }
 
 TEST(LoopEvaluation, PosesWithScaleMustAgreeInRotationAndTranslation) {
   const LoopTruth truth = make_truth();
-  EXPECT_EQ(judgement(accepted(truth, 20, 0, {{}, {0, 5.9, 0}}), truth), LoopJudgement::True);
-  EXPECT_EQ(judgement(accepted(truth, 20, 0, {{}, {0, 6.1, 0}}), truth), LoopJudgement::FalsePose);
-  EXPECT_EQ(judgement(accepted(truth, 22, 0, {{}, {0, 6.1, 0}}), truth), LoopJudgement::FalsePose) << "an unclear pair too";
+  EXPECT_EQ(judgement(accepted(truth, 20, 0, shift(0, 5.9, 0)), truth), LoopJudgement::True);
+  EXPECT_EQ(judgement(accepted(truth, 20, 0, shift(0, 6.1, 0)), truth), LoopJudgement::FalsePose);
+  EXPECT_EQ(judgement(accepted(truth, 22, 0, shift(0, 6.1, 0)), truth), LoopJudgement::FalsePose) << "an unclear pair too";
   const auto turned = [&](double angle_deg) {
     return accepted(truth, 20, 0, {test::rotation_from_vector({rad_from_deg(angle_deg), 0, 0}), Eigen::Vector3d::Zero()});
   };
@@ -68,7 +70,7 @@ TEST(LoopEvaluation, PosesWithScaleMustAgreeInRotationAndTranslation) {
   EXPECT_EQ(judgement(turned(5.1), truth), LoopJudgement::FalsePose);
   LoopEvaluationOptions high;
   high.height_above_ground_m = 120.0;
-  EXPECT_EQ(judgement(accepted(truth, 20, 0, {{}, {0, 6.1, 0}}), truth, high), LoopJudgement::True);
+  EXPECT_EQ(judgement(accepted(truth, 20, 0, shift(0, 6.1, 0)), truth, high), LoopJudgement::True);
 }
 
 TEST(LoopEvaluation, PosesWithoutScaleMustAgreeInDirectionWhereThereIsABaseline) {
@@ -91,7 +93,7 @@ TEST(LoopEvaluation, WithoutPairsThePoseDecides) {
   LoopTruth truth = make_truth();
   truth.pairs.reset();
   EXPECT_EQ(judgement(accepted(truth, 30, 0), truth), LoopJudgement::True);
-  EXPECT_EQ(judgement(accepted(truth, 30, 0, {{}, {0, 7, 0}}), truth), LoopJudgement::FalsePose);
+  EXPECT_EQ(judgement(accepted(truth, 30, 0, shift(0, 7, 0)), truth), LoopJudgement::FalsePose);
   EXPECT_FALSE(evaluate_loops({accepted(truth, 30, 0)}, truth).query_recall);
   EXPECT_NE(recipe(truth).find("poses alone"), std::string::npos);
 }

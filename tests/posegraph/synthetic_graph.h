@@ -17,6 +17,9 @@ inline Eigen::Quaterniond rotation_from_vector(const Eigen::Vector3d& vector) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle, vector / angle));
 }
 
+/// A pose that only shifts [m].
+inline Pose shift(double x, double y, double z) { return {Eigen::Quaterniond::Identity(), {x, y, z}}; }
+
 struct CircleOptions {
   int num_vertices = 40;
   double radius_m = 10.0;
