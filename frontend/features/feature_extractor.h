@@ -21,7 +21,7 @@ struct FeatureOptions {
   std::optional<double> detection_threshold;
   /// Clip limit of the local contrast equalisation (CLAHE, Zuiderveld 1994) before detection. Higher brings out fainter texture
   /// and more noise. None leaves the image as it is: for evenly lit, well exposed images, or already equalised ones.
-  std::optional<double> clahe_clip_limit = 3.0;
+  std::optional<double> clahe_clip_limit = 1.5;
   /// Whether SIFT's descriptors are turned into RootSIFT (Arandjelovic and Zisserman, CVPR 2012): divided by their sum, then the
   /// square root, so that Euclidean distance compares them as histograms. False gives OpenCV's values in [0, 255], which a
   /// vocabulary trained elsewhere may expect.
