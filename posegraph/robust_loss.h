@@ -5,11 +5,12 @@ namespace fabloop {
 
 /// How an edge's squared whitened error s enters the cost: rho(s). All are s for small errors.
 enum class RobustLoss {
-  None,          ///< rho(s) = s.
-  Huber,         ///< Grows with the error beyond the scale; convex, so it adds no local minima.
-  Cauchy,        ///< Grows with the logarithm of the error.
-  GemanMcClure,  ///< Bounded by the scale: an edge that disagrees is ignored in the end. Right
-                 ///< ones too when the start is far off: start from poses that fit.
+  None,    ///< rho(s) = s.
+  Huber,   ///< Grows with the error beyond the scale; convex, so it adds no local minima.
+  Cauchy,  ///< Grows with the logarithm of the error.
+  /// Bounded by the scale: an edge that disagrees is ignored in the end. So are right ones where the start is far off: start
+  /// from poses that fit.
+  GemanMcClure,
 };
 
 /// rho(s) for s = chi2, with c2 the squared scale at which the loss leaves the parabola.
