@@ -104,13 +104,14 @@ double length_of(const Path3& path) {
 /// The pattern whose path is as long as asked, with as few strips as their largest gap allows.
 Path3 fit_length(const FlightOptions& options) {
   for (int num_strips = 3;; ++num_strips) {
-    double low = 1;
-    double high = options.length_m;  // no pattern is shorter than its area is high
-    for (int i = 0; i < 25; ++i) {
-      const double middle = 0.5 * (low + high);
-      (length_of(dense_path(middle, num_strips, options)) < options.length_m ? low : high) = middle;
+    // Lengths are nearly in proportion to the area's height, so this converges by a factor of ten or more each time.
+    double area_height_m = options.length_m / (2.0 * num_strips);
+    Path3 path;
+    for (int i = 0; i < 6; ++i) {
+      path = dense_path(area_height_m, num_strips, options);
+      area_height_m *= options.length_m / length_of(path);
     }
-    if (high / (num_strips - 1) <= options.max_strip_gap_m) return dense_path(high, num_strips, options);
+    if (area_height_m / (num_strips - 1) <= options.max_strip_gap_m) return path;
   }
 }
 

@@ -7,8 +7,8 @@
 namespace fabloop {
 namespace {
 
-/// Heights are within a millimetre of the ray where it is said to meet them.
-constexpr int kBisections = 10;
+/// How exactly the place where a ray meets the heights is found, metres along it.
+constexpr double kHitTolerance = 1e-4;
 
 /// A ray in the map's own units: columns, rows, metres of height, as functions of the distance along it.
 struct MapRay {
@@ -66,7 +66,7 @@ std::optional<double> march(const HeightMap& map, const MapRay& ray, double from
   for (double distance = from;; distance = std::min(distance + step, to)) {
     if (clearance(map, ray, distance) <= 0) {
       double below = distance;
-      for (int i = 0; i < kBisections && below - above > 1e-4; ++i) {
+      while (below - above > kHitTolerance) {
         const double middle = 0.5 * (above + below);
         (clearance(map, ray, middle) > 0 ? above : below) = middle;
       }
