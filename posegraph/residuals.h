@@ -62,48 +62,46 @@ Vector2<T> direction_error(const Eigen::Vector3d& direction, const Eigen::Matrix
 }
 
 /// kappa |R_j - R_i R_ij|_F^2 + tau |t_j - t_i - R_i t_ij|^2; without scale the second term is tau |direction error|^2.
+/// The first is written 8 kappa |vec(q)|^2 with q the error quaternion: the same number (8 kappa sin^2(angle / 2)) from three
+/// rows in place of nine, and the second is turned into the frame of i: the same cost in fewer iterations.
 class ChordalResidual {
  public:
-  static constexpr int kSize = 12;
+  static constexpr int kSize = 6;
 
-  explicit ChordalResidual(const Edge& edge)
-      : rotation_(edge.from_from_to.rotation.toRotationMatrix()),
-        translation_(edge.from_from_to.translation),
-        has_scale_(edge.has_scale) {
+  explicit ChordalResidual(const Edge& edge) : i_from_j_(edge.from_from_to), has_scale_(edge.has_scale) {
     const ChordalWeights weights = chordal_weights(edge, 3);
     sqrt_tau_ = std::sqrt(weights.tau);
-    sqrt_kappa_ = std::sqrt(weights.kappa);
+    sqrt_2_kappa_ = std::sqrt(2.0 * weights.kappa);
     if (!has_scale_) {
-      translation_.normalize();
-      basis_ = tangent_basis(translation_);
+      i_from_j_.translation.normalize();
+      basis_ = tangent_basis(i_from_j_.translation);
     }
   }
 
   template <typename T>
   bool operator()(const T* q_i, const T* t_i, const T* q_j, const T* t_j, T* residual) const {
-    const Eigen::Matrix<T, 3, 3> rotation_i = ConstQuaternion<T>(q_i).toRotationMatrix();
-    const Eigen::Matrix<T, 3, 3> rotation_j = ConstQuaternion<T>(q_j).toRotationMatrix();
+    const Eigen::Quaternion<T> i_from_world = ConstQuaternion<T>(q_i).conjugate();
+    const Eigen::Quaternion<T> j_from_i = i_from_j_.rotation.conjugate().cast<T>();
     const Vector3<T> baseline = ConstVector3<T>(t_j) - ConstVector3<T>(t_i);
-    Eigen::Map<Eigen::Matrix<T, 3, 3>> rotation_error(residual);
-    rotation_error = T(sqrt_kappa_) * (rotation_j - rotation_i * rotation_.cast<T>());
-    Eigen::Map<Vector3<T>> translation_error(residual + 9);
+    Eigen::Map<Vector3<T>> translation_error(residual);
+    Eigen::Map<Vector3<T>> rotation_error(residual + 3);
+    rotation_error = T(sqrt_2_kappa_) * twice_vector_part<T>(j_from_i * (i_from_world * ConstQuaternion<T>(q_j)));
+    const Vector3<T> t_ij = i_from_world * baseline;
     if (has_scale_) {
-      translation_error = T(sqrt_tau_) * (baseline - rotation_i * translation_.cast<T>());
+      translation_error = T(sqrt_tau_) * (t_ij - i_from_j_.translation.cast<T>());
     } else {
-      translation_error.template head<2>() =
-          T(sqrt_tau_) * direction_error<T>(translation_, basis_, rotation_i.transpose() * baseline);
+      translation_error.template head<2>() = T(sqrt_tau_) * direction_error<T>(i_from_j_.translation, basis_, t_ij);
       translation_error(2) = T(0);
     }
     return true;
   }
 
  private:
-  Eigen::Matrix3d rotation_;
-  Eigen::Vector3d translation_;
+  Pose i_from_j_;
   Eigen::Matrix<double, 3, 2> basis_ = Eigen::Matrix<double, 3, 2>::Zero();
   bool has_scale_;
   double sqrt_tau_ = 0.0;
-  double sqrt_kappa_ = 0.0;
+  double sqrt_2_kappa_ = 0.0;
 };
 
 /// W e with e = (translation, rotation) of the error pose i_from_j_measured^-1 * i_from_j, as g2o defines it; without scale
