@@ -42,7 +42,7 @@ void Mapper::process(const Frame& frame, DescribedFrame described) {
   }
   add_vertex(frame, described.frame);
   LoopEvent event = loop_closer_.add_keyframe({described.frame, std::move(described.features), *frame.odom_from_camera});
-  if (event.neighbour) add_neighbour_edge(*event.neighbour);
+  for (const NeighbourLink& link : event.neighbours) add_neighbour_edge(link);
   add_loop_edges(event);
   if (has_new_loop_ && num_since_solve_ >= options_.solve_every) solve();
   ++num_since_solve_;
@@ -137,7 +137,9 @@ Map Mapper::finish() {
   std::size_t loop = 0;
   for (std::size_t i = 0; i < map_.graph.edges.size(); ++i) {
     const bool is_loop = map_.graph.edges[i].kind == EdgeKind::Loop;
-    const bool contradicts = is_loop && map_.report.edges[i].weight < options_.min_loop_weight;
+    const int degrees_of_freedom = map_.graph.edges[i].has_scale ? 6 : 5;
+    const bool contradicts =
+        is_loop && map_.report.edges[i].chi2 > chi_square_quantile(options_.max_loop_surprise, degrees_of_freedom);
     if (contradicts) accepted[loop]->verdict = Verdict::ContradictsMap;
     if (!contradicts) kept.push_back(map_.graph.edges[i]);
     loop += is_loop;

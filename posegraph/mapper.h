@@ -25,8 +25,8 @@ struct MapperOptions {
   /// After a loop, the graph is solved again once so many keyframes have come since the last time. 1 corrects at once; more
   /// bounds the time a keyframe takes on long runs.
   std::size_t solve_every = 10;
-  /// A loop whose robust weight ends below this contradicts the rest of the map, and its verdict says so.
-  double min_loop_weight = 0.1;
+  /// A loop contradicts the rest of the map, and its verdict says so, when a right one would fit better with this probability.
+  double max_loop_surprise = 0.9999;
 };
 
 /// Seconds of each stage, one entry a keyframe (one a solve for `optimize_s`).
@@ -36,15 +36,15 @@ struct MapTimes {
 
 /// What a mapped sequence looks like in the end.
 struct Map {
-  PoseGraph graph;                  ///< Vertex ids are positions in the sequence.
-  std::vector<LoopEvent> events;    ///< One a vertex: the ledger.
-  Trajectory final_trajectory;      ///< World is the odometry's frame, anchored at the first keyframe.
-  Trajectory online_trajectory;     ///< Each pose as it was believed when its frame was processed.
+  PoseGraph graph;                ///< Vertex ids are positions in the sequence.
+  std::vector<LoopEvent> events;  ///< One a vertex: the ledger.
+  Trajectory final_trajectory;    ///< World is the odometry's frame, anchored at the first keyframe.
+  Trajectory online_trajectory;   ///< Each pose as it was believed when its frame was processed.
   Trajectory odometry_trajectory;
-  std::vector<View> views;          ///< One a vertex, with their points.
+  std::vector<View> views;                      ///< One a vertex, with their points.
   std::vector<std::vector<std::uint8_t>> grey;  ///< One a vertex: of the image at each of the view's features.
-  OdometryNoise odometry_noise;     ///< As estimated.
-  OptimizeReport report;            ///< Of the last solve.
+  OdometryNoise odometry_noise;                 ///< As estimated.
+  OptimizeReport report;                        ///< Of the last solve.
   MapTimes times;
   std::size_t num_without_odometry = 0;  ///< Frames left out for that reason.
 };

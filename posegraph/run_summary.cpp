@@ -53,7 +53,7 @@ Json loops_json(const Map& map) {
   std::map<std::string, std::size_t> verdicts;
   std::size_t num_links = 0;
   for (const LoopEvent& event : map.events) {
-    num_links += event.neighbour.has_value();
+    num_links += event.neighbours.size();
     for (const auto& outcome : event.hypotheses) ++verdicts[std::string(to_string(outcome.verification.verdict))];
   }
   return {{"hypotheses", counts.num_hypotheses},

@@ -64,20 +64,18 @@ EdgeInformation direction_edge_information(const RelativePose& relative) {
   return edge;
 }
 
-Matrix6d covariance_in_camera(const AbsolutePose& pose) {
-  Matrix6d world_from_edge = Matrix6d::Identity();
-  world_from_edge.topLeftCorner<3, 3>() = pose.world_from_camera.rotation.toRotationMatrix();
-  return inverted(Matrix6d(world_from_edge.transpose() * pose.information * world_from_edge));
-}
-
-Matrix6d covariance_of_inverse(const Pose& a_from_b, const Matrix6d& covariance) {
-  // b_from_a changes by -R dt - [t]x R dw and -R dw when a_from_b changes by (dt, dw) in the axes of b.
-  const Eigen::Matrix3d rotation = a_from_b.rotation.toRotationMatrix();
-  Matrix6d adjoint = Matrix6d::Zero();
-  adjoint.topLeftCorner<3, 3>() = -rotation;
-  adjoint.topRightCorner<3, 3>() = -cross_matrix(a_from_b.translation) * rotation;
-  adjoint.bottomRightCorner<3, 3>() = -rotation;
-  return adjoint * covariance * adjoint.transpose();
+Matrix6d without_scale(const Matrix6d& information, const Pose& match_from_query) {
+  const double distance = match_from_query.translation.norm();
+  const Eigen::Vector3d direction_in_query = match_from_query.rotation.conjugate() * match_from_query.translation / distance;
+  Matrix6d covariance = information.inverse();
+  // Errors of the distance do not count; those across it are angles.
+  Matrix6d across = Matrix6d::Identity();
+  across.topLeftCorner<3, 3>() = (Eigen::Matrix3d::Identity() - direction_in_query * direction_in_query.transpose()) / distance;
+  covariance = (across * covariance * across.transpose()).eval();
+  // A unit of variance along the direction makes it invertible, and is taken out again.
+  Matrix6d along = Matrix6d::Zero();
+  along.topLeftCorner<3, 3>() = direction_in_query * direction_in_query.transpose();
+  return symmetric((covariance + along).inverse() - along);
 }
 
 }  // namespace fabloop

@@ -3,7 +3,7 @@
 
 #include <Eigen/Core>
 
-#include "verification/absolute_pose.h"
+#include "frontend/geometry/pose.h"
 #include "verification/relative_pose.h"
 
 namespace fabloop {
@@ -24,10 +24,7 @@ EdgeInformation metric_edge_information(const Pose& match_from_query, const Eige
 /// Of a rotation and a direction: no information along the direction.
 EdgeInformation direction_edge_information(const RelativePose& relative);
 
-/// Covariance of (translation, rotation) in the camera's axes of an absolute pose, from its inliers' scatter alone.
-Eigen::Matrix<double, 6, 6> covariance_in_camera(const AbsolutePose& pose);
-
-/// Covariance of the inverse pose, likewise in its own camera's axes.
-Eigen::Matrix<double, 6, 6> covariance_of_inverse(const Pose& a_from_b, const Eigen::Matrix<double, 6, 6>& covariance);
+/// The same edge with the distance given up: information on the unit direction instead, none along it.
+Eigen::Matrix<double, 6, 6> without_scale(const Eigen::Matrix<double, 6, 6>& information, const Pose& match_from_query);
 
 }  // namespace fabloop

@@ -52,7 +52,7 @@ LoopEvent LoopCloser::add_keyframe(Keyframe keyframe) {
   odom_from_cameras_.push_back(keyframe.odom_from_camera);
   {
     const Stopwatch watch(event.times.neighbour_s);
-    event.neighbour = link_to_earlier(views_.back());
+    event.neighbours = link_to_earlier(views_.back());
   }
   verify(hypotheses, event);
   return event;
@@ -77,16 +77,19 @@ std::vector<Hypothesis> LoopCloser::recognise(const Observation& observation, Lo
   return best;
 }
 
-std::optional<NeighbourLink> LoopCloser::link_to_earlier(View& view) {
+std::vector<NeighbourLink> LoopCloser::link_to_earlier(View& view) {
   const std::size_t current = views_.size() - 1;
+  std::vector<NeighbourLink> links;
   for (std::size_t distance = 1; distance <= options_.max_neighbour_distance && distance <= current; distance *= 2) {
+    if (links.size() == options_.num_neighbours) break;
     const std::size_t earlier = current - distance;
     NeighbourOptions options = options_.neighbour;
     options.seed = pair_seed(options_.verifier.seed, view.frame, views_[earlier].frame);
     const Pose earlier_from_current = odom_from_cameras_[earlier].inverse() * odom_from_cameras_[current];
-    if (auto link = link_neighbours(views_[earlier], view, earlier_from_current, options)) return link;
+    const auto link = link_neighbours(views_[earlier], view, earlier_from_current, options);
+    if (link) links.push_back(*link);
   }
-  return std::nullopt;
+  return links;
 }
 
 void LoopCloser::verify(const std::vector<Hypothesis>& hypotheses, LoopEvent& event) const {

@@ -25,8 +25,11 @@ struct LoopCloserOptions {
   HypothesesOptions hypotheses;
   VerifierOptions verifier;
   NeighbourOptions neighbour;
-  /// How many keyframes back to look for a neighbour with parallax: more for slow or high-rate cameras.
-  std::size_t max_neighbour_distance = 8;
+  /// So many earlier keyframes give this one's features a depth: those 1, 2, 4, ... back that show enough of the same. The
+  /// further ones have more parallax, the nearer ones more in common.
+  std::size_t num_neighbours = 3;
+  /// How many keyframes back to look for them: more for slow or high-rate cameras.
+  std::size_t max_neighbour_distance = 16;
   int num_threads = 0;  ///< Hypotheses of one keyframe are verified in parallel; the result does not depend on it.
 };
 
@@ -58,7 +61,7 @@ struct LoopEvent {
   std::size_t query = 0;
   double p_new = 1;  ///< Probability that the place was never seen before, neighbours in time left out.
   std::vector<HypothesisOutcome> hypotheses;  ///< Most probable first; accepted ones have Verdict::Accepted.
-  std::optional<NeighbourLink> neighbour;     ///< What the images say about the step from an earlier keyframe.
+  std::vector<NeighbourLink> neighbours;      ///< What the images say about the way from earlier keyframes, nearest first.
   LoopCloserTimes times;
 };
 
@@ -76,7 +79,7 @@ class LoopCloser {
 
  private:
   std::vector<Hypothesis> recognise(const Observation& observation, LoopEvent& event);
-  std::optional<NeighbourLink> link_to_earlier(View& view);
+  std::vector<NeighbourLink> link_to_earlier(View& view);
   void verify(const std::vector<Hypothesis>& hypotheses, LoopEvent& event) const;
 
   Camera camera_;

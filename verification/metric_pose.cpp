@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "verification/absolute_pose.h"
-#include "verification/edge_information.h"
 
 namespace fabloop {
 namespace {
@@ -40,7 +39,7 @@ std::optional<MetricPose> points_from_rays(const std::vector<PointRay>& data, do
   if (!pose) return std::nullopt;
   std::vector<double> depths;
   for (const std::size_t i : pose->inliers) depths.push_back((data[i].point_in_world - pose->world_from_camera.translation).norm());
-  MetricPose metric{pose->world_from_camera, covariance_in_camera(*pose), static_cast<int>(pose->inliers.size()), 0, 0};
+  MetricPose metric{pose->world_from_camera, static_cast<int>(pose->inliers.size()), 0, 0};
   metric.inlier_ratio = static_cast<double>(pose->inliers.size()) / static_cast<double>(data.size());
   metric.median_depth = median(std::move(depths));
   return metric;
@@ -63,7 +62,6 @@ MetricPoses estimate_metric_poses(const View& query, const View& match, const st
   auto query_from_match = points_from_rays(points_and_rays(query, match, matches, &Match::query, &Match::match),
                                            match.camera.focal_px(), options, options.seed + 1);
   if (query_from_match) {
-    query_from_match->covariance = covariance_of_inverse(query_from_match->match_from_query, query_from_match->covariance);
     query_from_match->match_from_query = query_from_match->match_from_query.inverse();
     poses.from_query_points = std::move(query_from_match);
   }

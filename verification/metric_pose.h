@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -22,7 +21,6 @@ struct MetricPoseOptions {
 /// The relative pose of two views in the unit of their points.
 struct MetricPose {
   Pose match_from_query;
-  Eigen::Matrix<double, 6, 6> covariance;  ///< Of (translation, rotation) in the query's axes, from the inliers' scatter alone.
   int num_inliers = 0;
   double inlier_ratio = 0;  ///< Of the matches with known depth.
   double median_depth = 0;  ///< Of the inliers.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "verification/neighbour.h"
 
-#include <cmath>
 #include <vector>
 
 #include "verification/edge_information.h"
@@ -10,8 +9,6 @@
 namespace fabloop {
 namespace {
 
-/// Two depths of one feature from different baselines that differ by more are not the same point.
-constexpr double kMaxDepthDisagreement = 0.15;
 /// The odometry's start is as good as RANSAC's when it keeps this share of the inliers.
 constexpr double kAsManyInliers = 0.9;
 
@@ -24,20 +21,6 @@ std::optional<RelativePose> relative_pose_near(const std::vector<RayPair>& pairs
   return as_good ? near : best;
 }
 
-/// Gives a feature another measurement of its point.
-void merge_point(std::optional<Eigen::Vector3d>& known, const Eigen::Vector3d& measured) {
-  if (!known) {
-    known = measured;
-    return;
-  }
-  const double mean_depth = 0.5 * (known->norm() + measured.norm());
-  if (std::abs(known->norm() - measured.norm()) > kMaxDepthDisagreement * mean_depth) {
-    known.reset();
-  } else {
-    *known = 0.5 * (*known + measured);
-  }
-}
-
 int triangulate_inliers(View& previous, View& current, const std::vector<Match>& matches, const std::vector<RayPair>& pairs,
                         const RelativePose& relative, const Pose& previous_from_current, const TriangulationOptions& options) {
   const Pose current_from_previous = previous_from_current.inverse();
@@ -45,8 +28,9 @@ int triangulate_inliers(View& previous, View& current, const std::vector<Match>&
   for (const std::size_t i : relative.inliers) {
     const auto x_in_previous = triangulate(pairs[i].match, pairs[i].query, previous_from_current, options);
     if (!x_in_previous) continue;
-    merge_point(previous.points_in_camera[static_cast<std::size_t>(matches[i].match)], *x_in_previous);
-    merge_point(current.points_in_camera[static_cast<std::size_t>(matches[i].query)], current_from_previous * *x_in_previous);
+    const double parallax_rad = angle_between(*x_in_previous, *x_in_previous - previous_from_current.translation);
+    add_point_measurement(previous, static_cast<std::size_t>(matches[i].match), *x_in_previous, parallax_rad);
+    add_point_measurement(current, static_cast<std::size_t>(matches[i].query), current_from_previous * *x_in_previous, parallax_rad);
     ++num_points;
   }
   return num_points;

@@ -37,8 +37,8 @@ struct NeighbourLink {
 };
 
 /// Relates two neighbours by their images, starting from the odometry between them (which chooses among the two poses of a
-/// plane), and gives the features that both see a depth, with the odometry's baseline as the unit of length. A feature that
-/// has a depth already keeps the mean when both agree, and loses it when they do not. None when the images do not show
+/// plane), and gives the features that both see a depth, with the odometry's baseline as the unit of length (see
+/// add_point_measurement() for features that have one already). None when the images do not show
 /// enough, contradict the odometry, or have no parallax; then no depth changes.
 std::optional<NeighbourLink> link_neighbours(View& previous, View& current, const Pose& previous_from_current_odometry,
                                              const NeighbourOptions& options = {});

@@ -6,6 +6,7 @@
 
 #include "verification/edge_information.h"
 #include "verification/evidence.h"
+#include "verification/joint_pose.h"
 #include "verification/metric_pose.h"
 #include "verification/planar_ambiguity.h"
 #include "verification/relative_pose.h"
@@ -37,23 +38,44 @@ bool sides_agree(const MetricPoses& poses, const VerifierOptions& options) {
          deg_from_rad(a.rotation.angularDistance(b.rotation)) < kSigmas * options.max_rotation_sigma_deg;
 }
 
-void decide_metric(const MetricPoses& poses, const VerifierOptions& options, Verification& result) {
-  const MetricPose& metric = *poses.best();
+/// Every match of the two views, with the points that either side knows.
+JointData joint_data(const View& query, const View& match, const std::vector<Match>& matches, const std::vector<RayPair>& pairs) {
+  JointData data{pairs, {}, {}};
+  for (const Match& m : matches) {
+    const auto q = static_cast<std::size_t>(m.query);
+    const auto k = static_cast<std::size_t>(m.match);
+    if (match.points_in_camera[k]) data.match_points.push_back({*match.points_in_camera[k], query.rays[q]});
+    if (query.points_in_camera[q]) data.query_points.push_back({*query.points_in_camera[q], match.rays[k]});
+  }
+  return data;
+}
+
+/// The verdict on a metric pose that was refined on everything, and what the loop states: a distance too vague against the
+/// depth is left out, the direction stays.
+void decide_metric(const MetricPoses& poses, const JointPose& joint, const VerifierOptions& options, Verification& result) {
   const EdgeInformation edge =
-      metric_edge_information(metric.match_from_query, metric.covariance, metric.median_depth, options.scale_sigma);
+      metric_edge_information(joint.match_from_query, joint.covariance, joint.median_depth, options.scale_sigma);
   result.has_scale = true;
-  result.match_from_query = metric.match_from_query;
+  result.match_from_query = joint.match_from_query;
   result.information = edge.information;
-  result.num_point_inliers = metric.num_inliers;
+  result.num_point_inliers = static_cast<int>(joint.num_point_inliers);
   result.rotation_sigma_deg = deg_from_rad(edge.rotation_sigma_rad);
-  result.translation_sigma = edge.translation_sigma / metric.median_depth;
-  if (!sides_agree(poses, options) || metric.inlier_ratio < options.min_point_inlier_ratio) {
+  result.translation_sigma = edge.translation_sigma / joint.median_depth;
+  const bool rays_agree = static_cast<double>(joint.pair_inliers.size()) >= options.min_ray_inlier_ratio * result.num_inliers;
+  const bool points_agree = poses.best()->inlier_ratio >= options.min_point_inlier_ratio && result.num_point_inliers >= options.min_points;
+  if (!rays_agree || !points_agree || !sides_agree(poses, options)) {
     result.verdict = Verdict::ScaleDisagrees;
     return;
   }
   const bool vague =
       result.rotation_sigma_deg > options.max_rotation_sigma_deg || result.translation_sigma > options.max_translation_sigma;
   result.verdict = vague ? Verdict::PoorlyConstrained : Verdict::Accepted;
+  const double distance = joint.match_from_query.translation.norm();
+  if (options.scale_sigma * distance > options.max_distance_sigma * joint.median_depth) {
+    result.has_scale = false;
+    result.match_from_query.translation /= distance;
+    result.information = without_scale(edge.information, joint.match_from_query);
+  }
 }
 
 void decide_direction(std::span<const RayPair> pairs, const RelativePose& relative, const RelativePoseOptions& pose_options,
@@ -88,6 +110,7 @@ std::string_view to_string(Verdict verdict) {
     case Verdict::AmbiguousPose: return "AmbiguousPose";
     case Verdict::ScaleDisagrees: return "ScaleDisagrees";
     case Verdict::PoorlyConstrained: return "PoorlyConstrained";
+    case Verdict::ContradictsMap: return "ContradictsMap";
   }
   return "";
 }
@@ -135,7 +158,9 @@ Verification Verifier::verify(const View& query, const View& match) const {
       estimate_metric_poses(query, match, result.inliers,
                             {options_.min_points, options_.max_point_error_px, options_.confidence, pose_options.seed});
   if (metric.best()) {
-    decide_metric(metric, options_, result);
+    const JointPose joint = refine_joint_pose(joint_data(query, match, matches, pairs), metric.best()->match_from_query,
+                                              {pose_options.max_error_rad, options_.max_point_error_px / match.camera.focal_px()});
+    decide_metric(metric, joint, options_, result);
   } else {
     decide_direction(pairs, *relative, pose_options, options_, result);
   }

@@ -2,6 +2,7 @@
 #include "verification/view.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace fabloop {
@@ -15,8 +16,33 @@ View make_view(std::size_t frame, const Camera& camera, Features features) {
   view.camera = camera;
   view.rays = bearings(camera, pixels);
   view.points_in_camera.resize(pixels.size());
+  view.point_weights.resize(pixels.size(), 0.0);
   view.features = std::move(features);
   return view;
+}
+
+void add_point_measurement(View& view, std::size_t i, const Eigen::Vector3d& x_in_camera, double parallax_rad) {
+  // What two neighbours' rotation is uncertain by; over the parallax it is the relative error of a depth.
+  constexpr double kAngleSigmaRad = 0.005;
+  constexpr double kSigmas = 3.0;
+  auto& known = view.points_in_camera[i];
+  double& weight = view.point_weights[i];
+  const double new_weight = parallax_rad * parallax_rad;
+  if (!known) {
+    known = x_in_camera;
+    weight = new_weight;
+    return;
+  }
+  const double depth = x_in_camera.norm();
+  const double known_depth = known->norm();
+  const double allowed = kSigmas * kAngleSigmaRad * std::sqrt(1.0 / weight + 1.0 / new_weight);
+  if (std::abs(depth - known_depth) > allowed * 0.5 * (depth + known_depth)) {
+    known.reset();
+    weight = 0;
+  } else {
+    *known = (weight * *known + new_weight * x_in_camera) / (weight + new_weight);
+    weight += new_weight;
+  }
 }
 
 std::size_t count_points(const View& view) {

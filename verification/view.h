@@ -17,11 +17,17 @@ struct View {
   Camera camera;
   Features features;                                             ///< N.
   std::vector<Eigen::Vector3d> rays;                             ///< N, unit, camera frame.
-  std::vector<std::optional<Eigen::Vector3d>> points_in_camera;  ///< N, metres where the odometry is metric.
+  std::vector<std::optional<Eigen::Vector3d>> points_in_camera;  ///< N, in the odometry's unit of length.
+  std::vector<double> point_weights;                             ///< N, of the points as measured so far; see add_point_measurement().
 };
 
 /// A view without points.
 View make_view(std::size_t frame, const Camera& camera, Features features);
+
+/// Gives feature i of a view another measurement of its point, seen under a parallax of `parallax_rad`. Points seen before
+/// become the mean weighed by squared parallax; when the two depths differ by more than their parallaxes allow, the feature
+/// loses its point until it is measured again.
+void add_point_measurement(View& view, std::size_t i, const Eigen::Vector3d& x_in_camera, double parallax_rad);
 
 /// Number of features whose depth is known.
 std::size_t count_points(const View& view);
