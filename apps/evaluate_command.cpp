@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <fstream>
 #include <iomanip>
 #include <iostream>
 #include <memory>
@@ -40,25 +39,20 @@ fs::path reference_path(const EvaluateArguments& arguments) {
   return fs::is_directory(arguments.truth) ? arguments.truth / "reference.tum" : arguments.truth;
 }
 
-/// The times of the frames where only a reference is given: those of the run's own final trajectory.
-std::vector<std::int64_t> times_of_run(const fs::path& run) {
-  std::vector<std::int64_t> times_ns;
-  for (const StampedPose& stamped : read_tum(run / "trajectory.tum")) times_ns.push_back(stamped.time_ns);
-  std::ifstream file(run / "summary.json");
-  const auto summary = ordered_json::parse(file, nullptr, false);
-  if (!summary.is_object() || !summary.contains("frames") || !summary["frames"].is_number_unsigned()) return times_ns;
-  if (summary["frames"].get<std::size_t>() != times_ns.size()) {
-    throw InputError(
-        (run / "trajectory.tum").string() +
-        ": does not have a pose for every frame, so loops cannot be dated by it; give --frames FILE or a sequence folder");
+/// Times of the frames that loops.csv counts: as given, else as the run wrote them down.
+std::vector<std::int64_t> frame_times(const EvaluateArguments& arguments) {
+  if (!arguments.frames.empty()) return read_frame_times(arguments.frames);
+  const fs::path of_run = arguments.run / "frames.csv";
+  if (!fs::exists(of_run)) {
+    throw InputError(of_run.string() + ": is missing, so loops cannot be dated; give --frames FILE or a sequence folder as --truth");
   }
-  return times_ns;
+  return read_frame_times(of_run);
 }
 
 LoopTruth read_truth(const EvaluateArguments& arguments, const Trajectory& reference) {
   const bool is_folder = fs::is_directory(arguments.truth);
   if (is_folder && arguments.frames.empty()) return read_loop_truth(arguments.truth, arguments.max_time_difference_s);
-  const auto times_ns = arguments.frames.empty() ? times_of_run(arguments.run) : read_frame_times(arguments.frames);
+  const auto times_ns = frame_times(arguments);
   LoopTruth truth;
   truth.world_from_camera = reference_poses(times_ns, reference, arguments.max_time_difference_s);
   if (is_folder && fs::exists(arguments.truth / "pairs.csv")) truth.pairs = read_pairs(arguments.truth / "pairs.csv");
@@ -195,7 +189,7 @@ void add_evaluate_command(CLI::App& program) {
       ->required();
   command->add_option(
       "--frames", arguments->frames,
-      "times of the frames (lines 'filename,timestamp_s'); default: those of the sequence folder, else of the trajectory");
+      "times of the frames (lines 'filename,timestamp_s'); default: those of the sequence folder, else of the run");
   command
       ->add_option("--height", arguments->loops.height_above_ground_m, "height above ground, metres; sets what a wrong loop is")
       ->check(CLI::PositiveNumber)

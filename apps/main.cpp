@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cblas.h>
-
 #include <CLI/CLI.hpp>
 #include <exception>
 #include <iostream>
@@ -27,15 +25,15 @@ int main(int argc, char** argv) {
   program.add_flag("--quiet", common.quiet, "print only the result and errors");
   program.add_option("--threads", common.num_threads, "number of threads; results do not depend on it (default: all)")
       ->check(CLI::PositiveNumber);
+  add_demo_command(program, common);
   add_synth_command(program, common);
   add_train_command(program, common);
   add_map_command(program, common);
   add_optimize_command(program, common);
   add_evaluate_command(program);
 
-  // We thread over images and candidates ourselves, so OpenCV's and OpenBLAS' own threads would only compete.
+  // We thread over images and candidates ourselves, so OpenCV's own threads would only compete.
   cv::setNumThreads(1);
-  openblas_set_num_threads(1);
   // Its warnings about damaged images would interleave with ours, which name the file.
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   try {

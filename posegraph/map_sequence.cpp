@@ -13,6 +13,8 @@ namespace {
 TrainedModel train_on(const DescribedSequence& described, const MapSequenceOptions& options) {
   ModelTrainingOptions training;
   training.features = options.features;
+  constexpr std::size_t kMaxDescriptors = 100000;  // fifty a word; more take longer and change little
+  training.max_descriptors = kMaxDescriptors;
   training.max_kept_bytes = 0;  // the features are in memory already
   training.seed = options.seed;
   training.num_threads = options.num_threads;

@@ -43,6 +43,15 @@ void write_loop_row(std::ostream& out, std::size_t query, double p_new, std::siz
       << exact(v.translation_sigma) << ',' << exact(v.rms_error_px) << ',' << v.num_iterations << '\n';
 }
 
+void write_frames_csv(const std::filesystem::path& path, const Sequence& sequence) {
+  OutputFile file(path);
+  file.stream() << "# filename,timestamp_s\n";
+  for (const Frame& frame : sequence.frames) {
+    file.stream() << frame.image_path.filename().string() << ',' << seconds_from_nanoseconds(frame.time_ns) << '\n';
+  }
+  file.commit();
+}
+
 void append_float(std::string& bytes, double value) {
   static_assert(std::endian::native == std::endian::little, "the PLY header promises little-endian numbers");
   const auto as_float = static_cast<float>(value);
@@ -116,6 +125,7 @@ void write_run_folder(const std::filesystem::path& path, const Sequence& sequenc
   write_tum(part / "trajectory_odometry.tum", result.map.odometry_trajectory);
   write_g2o(part / "graph.g2o", result.map.graph);
   write_loops_csv(part / "loops.csv", result.map);
+  write_frames_csv(part / "frames.csv", sequence);
   write_points_ply(part / "points.ply", result.map);
   write_map_picture(part / "map.png", sequence, result.map);
   write_run_summary(part / "summary.json", sequence, result, options);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "verification/matching.h"
 
-#include <cblas.h>
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -10,27 +8,12 @@
 #include <opencv2/core.hpp>
 #include <utility>
 
+#include "frontend/features/descriptor_distances.h"
+
 namespace fabloop {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-/// Squared distances between all rows, Q x M, through |a - b|^2 = |a|^2 + |b|^2 - 2 a.b.
-cv::Mat1f squared_euclidean(const cv::Mat& query, const cv::Mat& match) {
-  cv::Mat1f distances(query.rows, match.rows);
-  cblas_sgemm(CblasRowMajor, CblasNoTrans, CblasTrans, query.rows, match.rows, query.cols, -2.0F, query.ptr<float>(), query.cols,
-              match.ptr<float>(), match.cols, 0.0F, distances.ptr<float>(), match.rows);
-  std::vector<float> match_norms(static_cast<std::size_t>(match.rows));
-  for (int m = 0; m < match.rows; ++m) {
-    match_norms[static_cast<std::size_t>(m)] = cblas_sdot(match.cols, match.ptr<float>(m), 1, match.ptr<float>(m), 1);
-  }
-  for (int q = 0; q < query.rows; ++q) {
-    const float query_norm = cblas_sdot(query.cols, query.ptr<float>(q), 1, query.ptr<float>(q), 1);
-    float* row = distances.ptr<float>(q);
-    for (int m = 0; m < match.rows; ++m) row[m] = std::max(0.0F, row[m] + query_norm + match_norms[static_cast<std::size_t>(m)]);
-  }
-  return distances;
-}
 
 /// Squared Hamming distances between all rows, so that one ratio test serves both kinds.
 cv::Mat1f squared_hamming(const cv::Mat& query, const cv::Mat& match) {
@@ -42,20 +25,14 @@ cv::Mat1f squared_hamming(const cv::Mat& query, const cv::Mat& match) {
   return distances;
 }
 
-std::vector<int> nearest_rows(const cv::Mat1f& distances) {
-  std::vector<float> best(static_cast<std::size_t>(distances.cols), kInfinity);
-  std::vector<int> nearest(static_cast<std::size_t>(distances.cols), -1);
+/// Smallest entry of each column.
+std::vector<float> column_minima(const cv::Mat1f& distances) {
+  std::vector<float> minima(static_cast<std::size_t>(distances.cols), kInfinity);
   for (int q = 0; q < distances.rows; ++q) {
     const float* row = distances.ptr<float>(q);
-    for (int m = 0; m < distances.cols; ++m) {
-      const auto k = static_cast<std::size_t>(m);
-      if (row[m] < best[k]) {
-        best[k] = row[m];
-        nearest[k] = q;
-      }
-    }
+    for (std::size_t m = 0; m < minima.size(); ++m) minima[m] = row[m] < minima[m] ? row[m] : minima[m];
   }
-  return nearest;
+  return minima;
 }
 
 bool same_spot(const cv::KeyPoint& a, const cv::KeyPoint& b, double distance_px) {
@@ -74,8 +51,8 @@ Nearest nearest_of_row(const float* row, const std::vector<cv::KeyPoint>& keypoi
   Nearest nearest{static_cast<int>(best - row), *best, kInfinity};
   const auto& best_keypoint = keypoints[static_cast<std::size_t>(nearest.index)];
   for (std::size_t m = 0; m < keypoints.size(); ++m) {
-    if (row[m] >= nearest.second_distance || static_cast<int>(m) == nearest.index) continue;
-    if (!same_spot(keypoints[m], best_keypoint, same_spot_px)) nearest.second_distance = row[m];
+    if (row[m] >= nearest.second_distance) continue;
+    if (static_cast<int>(m) != nearest.index && !same_spot(keypoints[m], best_keypoint, same_spot_px)) nearest.second_distance = row[m];
   }
   return nearest;
 }
@@ -100,12 +77,15 @@ std::vector<Match> match_features(const Features& query, const Features& match, 
   if (query.keypoints.empty() || match.keypoints.empty()) return {};
   const bool has_bits = query.descriptors.type() == CV_8U;
   const cv::Mat1f distances =
-      has_bits ? squared_hamming(query.descriptors, match.descriptors) : squared_euclidean(query.descriptors, match.descriptors);
-  const std::vector<int> nearest_query = nearest_rows(distances);
+      has_bits ? squared_hamming(query.descriptors, match.descriptors)
+               : PackedDescriptors(match.descriptors).squared_distances(query.descriptors);
+  std::vector<float> to_nearest_query = column_minima(distances);
   std::vector<Match> matches;
   for (int q = 0; q < distances.rows; ++q) {
     const Nearest nearest = nearest_of_row(distances.ptr<float>(q), match.keypoints, options.same_spot_px);
-    if (nearest_query[static_cast<std::size_t>(nearest.index)] != q) continue;
+    float& least = to_nearest_query[static_cast<std::size_t>(nearest.index)];
+    if (nearest.distance > least) continue;
+    least = -1;  // of several queries at the same distance the first has it
     const float ratio = nearest.second_distance > 0 ? std::sqrt(nearest.distance / nearest.second_distance) : 1.0F;
     if (ratio <= options.max_ratio) matches.push_back({q, nearest.index, ratio});
   }

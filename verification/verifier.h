@@ -52,7 +52,7 @@ struct VerifierOptions {
   double scale_sigma = 0.05;                ///< Relative standard deviation of the unit of length: the odometry's step error.
   /// Largest standard deviation of the distance between the views that `scale_sigma` causes, as a share of the median depth.
   /// Loops between views further apart state a direction only.
-  double max_distance_sigma = 0.05;
+  double max_distance_sigma = 0.035;
   double confidence = 0.999;                ///< RANSAC's.
   int max_iterations = 1500;                ///< RANSAC's bound: time spent on false candidates.
   std::uint64_t seed = 0;                   ///< Combined with the frames' numbers, so that order does not matter.
