@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "apps/command.h"
+#include "apps/results_table.h"
 #include "frontend/error.h"
 #include "posegraph/loop_evaluation.h"
 #include "posegraph/trajectory_error.h"
@@ -29,6 +30,7 @@ struct EvaluateArguments {
   fs::path truth;
   fs::path frames;
   bool json = false;
+  bool table = false;
   bool sim3 = false;
   double rpe_distance_m = 100.0;
   double max_time_difference_s = 0.01;
@@ -101,6 +103,7 @@ ordered_json judge_loops(const EvaluateArguments& arguments, const LoopTruth& tr
   result["with_scale"] = evaluation.num_with_scale;
   result["precision"] = evaluation.precision ? ordered_json(*evaluation.precision) : ordered_json(nullptr);
   result["query_recall"] = evaluation.query_recall ? ordered_json(*evaluation.query_recall) : ordered_json(nullptr);
+  result["pair_recall"] = evaluation.pair_recall ? ordered_json(*evaluation.pair_recall) : ordered_json(nullptr);
   result["false_loops"] = ordered_json::array();
   for (const JudgedLoop& loop : evaluation.loops) {
     if (loop.judgement != LoopJudgement::FalsePair && loop.judgement != LoopJudgement::FalsePose) continue;
@@ -146,6 +149,7 @@ void print_loops(const ordered_json& result) {
             << result["unjudged"] << " not judged\n";
   if (!result["precision"].is_null()) std::cout << "  precision " << result["precision"].get<double>() << '\n';
   if (!result["query_recall"].is_null()) std::cout << "  query recall " << result["query_recall"].get<double>() << '\n';
+  if (!result["pair_recall"].is_null()) std::cout << "  pair recall " << result["pair_recall"].get<double>() << '\n';
   for (const ordered_json& loop : result["false_loops"]) {
     std::cout << "  " << loop["query"] << " - " << loop["match"] << ' ' << loop["why"].get<std::string>() << ", "
               << loop["rotation_error_deg"].get<double>() << " deg, " << loop["translation_error_m"].get<double>() << " m\n";
@@ -170,6 +174,10 @@ void run_evaluate(const EvaluateArguments& arguments) {
   }
   if (arguments.json) {
     std::cout << result.dump(2) << '\n';
+    return;
+  }
+  if (arguments.table) {
+    std::cout << results_head() << results_row(arguments.run, result);
     return;
   }
   std::cout << std::setprecision(4);
@@ -203,6 +211,7 @@ void add_evaluate_command(CLI::App& program) {
       ->capture_default_str();
   command->add_flag("--sim3", arguments->sim3, "align with scale too, for trajectories that do not know theirs");
   command->add_flag("--json", arguments->json, "print one JSON object");
+  command->add_flag("--table", arguments->table, "print a table row with the run's counts, errors and seconds a frame (Markdown)");
   command->callback([arguments] { run_evaluate(*arguments); });
 }
 

@@ -21,13 +21,29 @@ namespace {
 struct MapArguments {
   std::string sequence;
   std::string odometry, reference, camera, model, out;
-  std::string features = "sift";
+  std::optional<std::string> features;
+  std::optional<int> max_features;
   std::string new_place = "mean-field";
   double max_time_difference_s = 0.01;
   bool strict = false;
   bool overwrite = false;
   MapSequenceOptions options;
 };
+
+/// What the user asks for; the rest as the model has it, or by default. A model brings its own features, so asking for others
+/// is an error.
+FeatureOptions asked_features(const MapArguments& arguments, const std::optional<Model>& model) {
+  FeatureOptions asked = model ? model->features : FeatureOptions{};
+  if (arguments.features) asked.kind = *feature_kind_from_string(*arguments.features);
+  if (arguments.max_features) asked.max_features = *arguments.max_features;
+  if (!model) return asked;
+  try {
+    require_features(*model, asked);
+  } catch (const InputError& error) {
+    throw InputError(arguments.model + ": " + error.what());
+  }
+  return asked;
+}
 
 void run_map(MapArguments& arguments, const CommonOptions& common) {
   const auto if_exists = arguments.overwrite ? OutputFolder::IfExists::Replace : OutputFolder::IfExists::Refuse;
@@ -43,8 +59,8 @@ void run_map(MapArguments& arguments, const CommonOptions& common) {
   const Sequence sequence = read_sequence(arguments.sequence, sequence_options);
   std::optional<Model> model;
   MapSequenceOptions& options = arguments.options;
-  options.features.kind = *feature_kind_from_string(arguments.features);
   if (!arguments.model.empty()) model = read_model(arguments.model);
+  options.features = asked_features(arguments, model);
   options.mapper.loops.recognizer.new_place = arguments.new_place == "sampled" ? NewPlaceModel::Sampled : NewPlaceModel::MeanField;
   options.if_damaged = arguments.strict ? IfDamaged::Refuse : IfDamaged::Skip;
   options.num_threads = common.num_threads;
@@ -75,12 +91,13 @@ void add_input_options(CLI::App* command, MapArguments& arguments) {
 void add_method_options(CLI::App* command, MapArguments& arguments) {
   MapSequenceOptions& options = arguments.options;
   LoopCloserOptions& loops = options.mapper.loops;
-  command->add_option("--features", arguments.features, "what to detect, without a model")
-      ->check(CLI::IsMember({"sift", "orb", "akaze"}))
-      ->capture_default_str();
-  command->add_option("--max-features", options.features.max_features, "at most so many features an image, without a model")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  command->add_option("--features", arguments.features, "what to detect (default: as the model; without one, sift)")
+      ->check(CLI::IsMember({"sift", "orb", "akaze"}));
+  command
+      ->add_option("--max-features", arguments.max_features,
+                   "at most so many features an image (default: as the model; without one, " +
+                       std::to_string(FeatureOptions{}.max_features) + ")")
+      ->check(CLI::PositiveNumber);
   command->add_option("--hypotheses", loops.hypotheses.max_hypotheses, "how many places to verify for each image")->capture_default_str();
   command->add_option("--min-probability", loops.hypotheses.min_probability, "verify only places at least so probable")
       ->check(CLI::Range(0.0, 1.0))

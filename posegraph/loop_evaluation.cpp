@@ -81,6 +81,22 @@ double query_recall(const std::vector<JudgedLoop>& loops, const LoopTruth& truth
   return static_cast<double>(found.size()) / static_cast<double>(std::max<std::size_t>(1, wanted.size()));
 }
 
+double pair_recall(const std::vector<JudgedLoop>& loops, const LoopTruth& truth, const LoopEvaluationOptions& options) {
+  std::set<std::pair<std::size_t, std::size_t>> found;
+  for (const JudgedLoop& loop : loops) {
+    if (loop.judgement == LoopJudgement::True) found.insert(std::minmax(loop.query, loop.match));
+  }
+  std::size_t num_wanted = 0;
+  std::size_t num_found = 0;
+  for (const auto& [frames, pair] : *truth.pairs) {
+    const bool is_true = pair.overlap >= options.min_true_overlap || pair.num_inliers >= options.min_true_inliers;
+    if (!is_true || frames.second - frames.first <= options.exclusion_window) continue;
+    ++num_wanted;
+    num_found += found.count(frames);
+  }
+  return static_cast<double>(num_found) / static_cast<double>(std::max<std::size_t>(1, num_wanted));
+}
+
 }  // namespace
 
 LoopEvaluation evaluate_loops(const std::vector<LoopRecord>& records, const LoopTruth& truth,
@@ -109,7 +125,10 @@ LoopEvaluation evaluate_loops(const std::vector<LoopRecord>& records, const Loop
   }
   const std::size_t num_judged = result.num_true + result.num_false;
   if (num_judged > 0) result.precision = static_cast<double>(result.num_true) / static_cast<double>(num_judged);
-  if (truth.pairs) result.query_recall = query_recall(result.loops, truth, options);
+  if (truth.pairs) {
+    result.query_recall = query_recall(result.loops, truth, options);
+    result.pair_recall = pair_recall(result.loops, truth, options);
+  }
   return result;
 }
 
@@ -126,7 +145,8 @@ std::string recipe(const LoopTruth& truth, const LoopEvaluationOptions& options)
        << " % of " << options.height_above_ground_m
        << " m height above ground (without scale: " << options.max_direction_error_deg << " deg of direction)";
   if (truth.pairs) {
-    text << "; query recall is over queries with a pair of overlap >= " << options.min_recall_overlap;
+    text << "; query recall is over queries with a pair of overlap >= " << options.min_recall_overlap
+         << ", pair recall over all true pairs";
   }
   return text.str();
 }

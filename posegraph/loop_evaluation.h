@@ -54,6 +54,7 @@ struct LoopEvaluation {
   std::size_t num_with_scale = 0;      ///< Of the accepted ones whose frames have a reference.
   std::optional<double> precision;     ///< true / (true + false); none where nothing was judged.
   std::optional<double> query_recall;  ///< Wanted queries with a true loop; none without pairs.
+  std::optional<double> pair_recall;   ///< True pairs further apart than the window with a true loop; none without pairs.
   std::vector<JudgedLoop> loops;       ///< The accepted ones, in order.
 };
 
