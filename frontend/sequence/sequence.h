@@ -31,12 +31,12 @@ struct Sequence {
 
 /// Where the parts of a sequence are when they are not at their usual places in its folder.
 struct SequenceOptions {
-  std::filesystem::path camera;     ///< Calibration file. Empty: `camera.yaml` in the folder, else the EXIF focal length.
-  std::filesystem::path odometry;   ///< TUM file. Empty: no odometry is read.
-  std::filesystem::path reference;  ///< TUM file. Empty: `reference.tum` in the folder where there is one.
+  std::filesystem::path camera{};     ///< Calibration file. Empty: `camera.yaml` in the folder, else the EXIF focal length.
+  std::filesystem::path odometry{};   ///< TUM file. Empty: no odometry is read.
+  std::filesystem::path reference{};  ///< TUM file. Empty: `reference.tum` in the folder where there is one.
   /// Largest difference between an image's time and its pose's. The field's usual 0.01 s; more for loosely stamped logs.
   double max_time_difference_s = 0.01;
-  Warn warn;  ///< Told about anything that a user should know (an EXIF guess, frames without odometry, ...).
+  Warn warn{};  ///< Told about anything that a user should know (an EXIF guess, frames without odometry, ...).
 };
 
 /// Reads what describes a sequence; images are read later, one by one. `folder` holds images itself or in `images/`; stamps
