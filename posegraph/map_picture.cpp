@@ -167,13 +167,16 @@ void draw_loops(cv::Mat& picture, const Projection& project, const Path& result,
     return static_cast<std::size_t>(found - vertices.begin());
   };
   for (const bool accepted : {false, true}) {
+    cv::Mat lines = picture.clone();
     for (const LoopEvent& event : map.events) {
       for (const HypothesisOutcome& outcome : event.hypotheses) {
         if ((outcome.verification.verdict == Verdict::Accepted) != accepted) continue;
-        draw_line(picture, project(result[vertex_of(event.query)]), project(result[vertex_of(outcome.match)]),
+        draw_line(lines, project(result[vertex_of(event.query)]), project(result[vertex_of(outcome.match)]),
                   accepted ? kAccepted : kRejected, 1);
       }
     }
+    constexpr double kOpacity = 0.45;  // a thousand loops must not hide the path
+    cv::addWeighted(lines, kOpacity, picture, 1.0 - kOpacity, 0.0, picture);
   }
 }
 

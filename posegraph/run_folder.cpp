@@ -39,7 +39,7 @@ void write_loop_row(std::ostream& out, std::size_t query, double p_new, std::siz
       << ',' << v.num_inliers << ',' << (v.has_scale ? 1 : 0);
   for (const double value : {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()}) out << ',' << exact(value);
   out << ',' << rank << ',' << exact(outcome.log_likelihood) << ',' << exact(p_new) << ',' << v.num_point_inliers << ','
-      << exact(v.log10_false_alarms) << ',' << exact(v.median_parallax_deg) << ',' << exact(v.rotation_sigma_deg) << ','
+      << exact(v.log10_false_alarms) << ',' << exact(v.inlier_area) << ',' << exact(v.median_parallax_deg) << ',' << exact(v.rotation_sigma_deg) << ','
       << exact(v.translation_sigma) << ',' << exact(v.rms_error_px) << ',' << v.num_iterations << '\n';
 }
 
@@ -84,7 +84,7 @@ LoopCounts count_loops(const Map& map) {
 void write_loops_csv(const std::filesystem::path& path, const Map& map) {
   OutputFile file(path);
   file.stream() << "query,match,probability,verdict,matches,inliers,has_scale,tx,ty,tz,qx,qy,qz,qw,rank,log_likelihood,p_new,"
-                   "point_inliers,log10_false_alarms,parallax_deg,rotation_sigma_deg,translation_sigma,rms_error_px,iterations\n";
+                   "point_inliers,log10_false_alarms,inlier_area,parallax_deg,rotation_sigma_deg,translation_sigma,rms_error_px,iterations\n";
   for (const LoopEvent& event : map.events) {
     for (std::size_t rank = 0; rank < event.hypotheses.size(); ++rank) {
       write_loop_row(file.stream(), event.query, event.p_new, rank + 1, event.hypotheses[rank]);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "verification/verifier.h"
 
+#include <algorithm>
+#include <opencv2/imgproc.hpp>
 #include <span>
 #include <vector>
 
@@ -23,6 +25,16 @@ std::vector<RayPair> ray_pairs(const View& query, const View& match, const std::
     pairs.push_back({query.rays[static_cast<std::size_t>(m.query)], match.rays[static_cast<std::size_t>(m.match)]});
   }
   return pairs;
+}
+
+/// Share of an image inside the convex hull of some of its keypoints.
+template <typename Index>
+double hull_share(const View& view, const std::vector<Match>& inliers, Index index) {
+  std::vector<cv::Point2f> points;
+  for (const Match& inlier : inliers) points.push_back(view.features.keypoints[static_cast<std::size_t>(inlier.*index)].pt);
+  std::vector<cv::Point2f> hull;
+  cv::convexHull(points, hull);
+  return cv::contourArea(hull) / (static_cast<double>(view.camera.width) * view.camera.height);
 }
 
 /// Whether the points of the match and those of the query tell the same pose, as far as both are known.
@@ -106,6 +118,7 @@ std::string_view to_string(Verdict verdict) {
     case Verdict::NoPose: return "NoPose";
     case Verdict::TooFewInliers: return "TooFewInliers";
     case Verdict::AccidentalInliers: return "AccidentalInliers";
+    case Verdict::InliersInCorner: return "InliersInCorner";
     case Verdict::NoParallax: return "NoParallax";
     case Verdict::AmbiguousPose: return "AmbiguousPose";
     case Verdict::ScaleDisagrees: return "ScaleDisagrees";
@@ -153,6 +166,10 @@ Verification Verifier::verify(const View& query, const View& match) const {
   if (result.num_inliers < options_.min_inliers) return result;
   result.verdict = Verdict::AccidentalInliers;
   if (result.log10_false_alarms > options_.max_log10_false_alarms) return result;
+
+  result.inlier_area = std::min(hull_share(query, result.inliers, &Match::query), hull_share(match, result.inliers, &Match::match));
+  result.verdict = Verdict::InliersInCorner;
+  if (result.inlier_area < options_.min_inlier_area) return result;
 
   const MetricPoses metric =
       estimate_metric_poses(query, match, result.inliers,

@@ -21,6 +21,7 @@ enum class Verdict {
   NoPose,             ///< No relative pose explains even a handful of the matches.
   TooFewInliers,      ///< Fewer matches agree with the best pose than asked for.
   AccidentalInliers,  ///< As many would agree by accident.
+  InliersInCorner,    ///< The inliers cover too little of either image: the views touch rather than overlap.
   NoParallax,         ///< The views differ by a rotation, and no depth tells how far apart they are.
   AmbiguousPose,      ///< A different pose explains the same matches as well: a plane seen without depth.
   ScaleDisagrees,     ///< The known points and the rays alone give different poses.
@@ -40,6 +41,8 @@ struct VerifierOptions {
   /// The same for known points, whose own error adds to the pixel's.
   double max_point_error_px = 4.0;
   double max_log10_false_alarms = -3.0;  ///< Accepted accidents: at most one pair in 1000 of accidental matches.
+  /// Least share of either image that the inliers' convex hull covers. Pairs that merely touch leave the pose to a few pixels.
+  double min_inlier_area = 0.04;
   int min_points = 12;                   ///< Inliers with known depth from which scale is taken.
   double min_point_inlier_ratio = 0.5;   ///< Of the epipolar inliers that have depth, how many must agree with the metric pose.
   /// Share of the epipolar inliers that the metric pose must keep: points and rays must tell one story.
@@ -65,6 +68,7 @@ struct Verification {
   int num_inliers = 0;             ///< Epipolar.
   int num_point_inliers = 0;       ///< Of the metric pose.
   double log10_false_alarms = 0;   ///< See evidence.h.
+  double inlier_area = 0;          ///< Share of the image inside the inliers' convex hull, the smaller of both images.
   double median_parallax_deg = 0;  ///< Between the inliers' rays, rotation undone.
   double rotation_sigma_deg = 0;
   double translation_sigma = 0;  ///< With scale: share of the median depth. Without: radians of direction.
