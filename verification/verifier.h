@@ -42,7 +42,7 @@ struct VerifierOptions {
   double max_point_error_px = 4.0;
   double max_log10_false_alarms = -3.0;  ///< Accepted accidents: at most one pair in 1000 of accidental matches.
   /// Least share of either image that the inliers' convex hull covers. Pairs that merely touch leave the pose to a few pixels.
-  double min_inlier_area = 0.04;
+  double min_inlier_area = 0.07;
   int min_points = 12;                   ///< Inliers with known depth from which scale is taken.
   double min_point_inlier_ratio = 0.5;   ///< Of the epipolar inliers that have depth, how many must agree with the metric pose.
   /// Share of the epipolar inliers that the metric pose must keep: points and rays must tell one story.
