@@ -51,7 +51,8 @@ void print_judgement(const fs::path& sequence_folder, const fs::path& run_folder
   const LoopEvaluation judged = evaluate_loops(read_loops(run_folder / "loops.csv"), read_loop_truth(sequence_folder), options);
   std::cout << "against truth: " << judged.num_true << " loops true, " << judged.num_false << " false";
   if (judged.precision) std::cout << ": precision " << std::setprecision(3) << *judged.precision;
-  if (judged.query_recall) std::cout << ", " << std::lround(100 * *judged.query_recall) << " % of the frames with a revisit found one";
+  if (judged.query_recall)
+    std::cout << ", " << std::lround(100 * *judged.query_recall) << " % of the frames with a revisit found one";
   std::cout << '\n';
 }
 
@@ -62,7 +63,8 @@ void run_demo(const DemoArguments& arguments, const CommonOptions& common) {
   const fs::path run_folder = folder.part_path() / "run";
 
   const SyntheticFlightOptions flight = flight_options(arguments, common);
-  std::cout << "1. a low flight of " << std::lround(arguments.length_m) << " m over a synthetic meadow, with an odometry that drifts\n"
+  std::cout << "1. a low flight of " << std::lround(arguments.length_m)
+            << " m over a synthetic meadow, with an odometry that drifts\n"
             << std::flush;
   write_synthetic_flight(sequence_folder, flight);
   SequenceOptions sequence_options;
@@ -70,7 +72,8 @@ void run_demo(const DemoArguments& arguments, const CommonOptions& common) {
   sequence_options.warn = make_warn(common);
   const Sequence sequence = read_sequence(sequence_folder, sequence_options);
 
-  std::cout << "2. visual words learnt from the images; then image by image: where could this be? prove it; bend the map\n" << std::flush;
+  std::cout << "2. visual words learnt from the images; then image by image: where could this be? prove it; bend the map\n"
+            << std::flush;
   MapSequenceOptions options;
   options.seed = arguments.seed;
   options.num_threads = common.num_threads;
@@ -85,16 +88,20 @@ void run_demo(const DemoArguments& arguments, const CommonOptions& common) {
   print_run_report(std::cout, sequence, result, (fs::path(arguments.out) / "run").string());
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   std::cout << "the same again: fabloop map " << (fs::path(arguments.out) / "sequence").string() << " --odometry "
-            << (fs::path(arguments.out) / "sequence" / "odometry.tum").string() << " --out DIR   (" << std::lround(seconds) << " s)\n";
+            << (fs::path(arguments.out) / "sequence" / "odometry.tum").string() << " --out DIR   (" << std::lround(seconds)
+            << " s)\n";
 }
 
 }  // namespace
 
 void add_demo_command(CLI::App& program, const CommonOptions& common) {
   const auto arguments = std::make_shared<DemoArguments>();
-  CLI::App* command = program.add_subcommand("demo", "Render a synthetic flight, map it, and judge the result: under two minutes");
+  CLI::App* command =
+      program.add_subcommand("demo", "Render a synthetic flight, map it, and judge the result: under two minutes");
   command->add_option("--out", arguments->out, "folder for the sequence and the run")->capture_default_str();
-  command->add_option("--length", arguments->length_m, "length of the flight, metres")->check(CLI::Range(200.0, 5000.0))->capture_default_str();
+  command->add_option("--length", arguments->length_m, "length of the flight, metres")
+      ->check(CLI::Range(200.0, 5000.0))
+      ->capture_default_str();
   command->add_option("--seed", arguments->seed, "another number: another world and flight")->capture_default_str();
   command->add_flag("--overwrite", arguments->overwrite, "replace the folder if it exists");
   command->callback([arguments, &common] { run_demo(*arguments, common); });

@@ -46,7 +46,8 @@ std::vector<std::int64_t> frame_times(const EvaluateArguments& arguments) {
   if (!arguments.frames.empty()) return read_frame_times(arguments.frames);
   const fs::path of_run = arguments.run / "frames.csv";
   if (!fs::exists(of_run)) {
-    throw InputError(of_run.string() + ": is missing, so loops cannot be dated; give --frames FILE or a sequence folder as --truth");
+    throw InputError(of_run.string() +
+                     ": is missing, so loops cannot be dated; give --frames FILE or a sequence folder as --truth");
   }
   return read_frame_times(of_run);
 }
@@ -211,7 +212,8 @@ void add_evaluate_command(CLI::App& program) {
       ->capture_default_str();
   command->add_flag("--sim3", arguments->sim3, "align with scale too, for trajectories that do not know theirs");
   command->add_flag("--json", arguments->json, "print one JSON object");
-  command->add_flag("--table", arguments->table, "print a table row with the run's counts, errors and seconds a frame (Markdown)");
+  command->add_flag("--table", arguments->table,
+                    "print a table row with the run's counts, errors and seconds a frame (Markdown)");
   command->callback([arguments] { run_evaluate(*arguments); });
 }
 

@@ -61,13 +61,15 @@ void run_map(MapArguments& arguments, const CommonOptions& common) {
   MapSequenceOptions& options = arguments.options;
   if (!arguments.model.empty()) model = read_model(arguments.model);
   options.features = asked_features(arguments, model);
-  options.mapper.loops.recognizer.new_place = arguments.new_place == "sampled" ? NewPlaceModel::Sampled : NewPlaceModel::MeanField;
+  options.mapper.loops.recognizer.new_place =
+      arguments.new_place == "sampled" ? NewPlaceModel::Sampled : NewPlaceModel::MeanField;
   options.if_damaged = arguments.strict ? IfDamaged::Refuse : IfDamaged::Skip;
   options.num_threads = common.num_threads;
   options.warn = make_warn(common);
   options.progress = make_progress(common);
   if (!model && !common.quiet) {
-    std::cout << "no --model: training one on the sequence itself (`fabloop train` on other flights gives better probabilities)\n";
+    std::cout
+        << "no --model: training one on the sequence itself (`fabloop train` on other flights gives better probabilities)\n";
   }
   const SequenceMap result = map_sequence(sequence, model, options);
   write_run_folder(arguments.out, sequence, result, options, if_exists);
@@ -98,11 +100,13 @@ void add_method_options(CLI::App* command, MapArguments& arguments) {
                    "at most so many features an image (default: as the model; without one, " +
                        std::to_string(FeatureOptions{}.max_features) + ")")
       ->check(CLI::PositiveNumber);
-  command->add_option("--hypotheses", loops.hypotheses.max_hypotheses, "how many places to verify for each image")->capture_default_str();
+  command->add_option("--hypotheses", loops.hypotheses.max_hypotheses, "how many places to verify for each image")
+      ->capture_default_str();
   command->add_option("--min-probability", loops.hypotheses.min_probability, "verify only places at least so probable")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  command->add_option("--window", loops.hypotheses.num_recent_excluded, "how many of the latest images are no loops")->capture_default_str();
+  command->add_option("--window", loops.hypotheses.num_recent_excluded, "how many of the latest images are no loops")
+      ->capture_default_str();
   command->add_option("--new-place", arguments.new_place, "likelihood of a new place; sampled needs a model of other places")
       ->check(CLI::IsMember({"mean-field", "sampled"}))
       ->capture_default_str();

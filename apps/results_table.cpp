@@ -18,7 +18,8 @@ constexpr std::array<const char*, 7> kStages = {"read", "features", "words", "re
 ordered_json read_summary(const std::filesystem::path& run) {
   std::ifstream file(run / "summary.json");
   const auto summary = ordered_json::parse(file, nullptr, false);
-  if (!summary.is_object()) throw InputError((run / "summary.json").string() + ": is missing or no JSON; give the folder that a run wrote");
+  if (!summary.is_object())
+    throw InputError((run / "summary.json").string() + ": is missing or no JSON; give the folder that a run wrote");
   return summary;
 }
 
@@ -41,9 +42,10 @@ std::string metres(const ordered_json& trajectories, const char* name) {
 
 std::string results_head() {
   std::ostringstream text;
-  text << "| sequence | frames | hypotheses | accepted | true | false | query recall | pair recall | ATE odometry [m] | ATE after [m] |";
+  text << "| sequence | frames | hypotheses | accepted | true | false | query recall | pair recall | ATE odometry [m] | ATE "
+          "after [m] |";
   for (const char* stage : kStages) text << ' ' << stage << " [s] |";
-  text << "\n|---|" ;
+  text << "\n|---|";
   for (std::size_t i = 0; i < 9 + kStages.size(); ++i) text << "---|";
   text << '\n';
   return text.str();

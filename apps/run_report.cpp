@@ -25,8 +25,8 @@ void print_run_report(std::ostream& out, const Sequence& sequence, const Sequenc
   if (errors.odometry && errors.final) {
     const double before = errors.odometry->translation_m.rmse;
     const double after = errors.final->translation_m.rmse;
-    out << std::fixed << std::setprecision(2) << "ATE:         " << before << " m odometry -> " << after << " m (" << before / after
-        << " times less)\n"
+    out << std::fixed << std::setprecision(2) << "ATE:         " << before << " m odometry -> " << after << " m ("
+        << before / after << " times less)\n"
         << std::defaultfloat;
   }
   out << "look at:     " << folder << "/map.png, " << folder << "/summary.json\n";

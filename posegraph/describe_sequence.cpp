@@ -16,7 +16,9 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-double seconds_between(Clock::time_point start, Clock::time_point end) { return std::chrono::duration<double>(end - start).count(); }
+double seconds_between(Clock::time_point start, Clock::time_point end) {
+  return std::chrono::duration<double>(end - start).count();
+}
 
 std::vector<std::uint8_t> grey_at_keypoints(const cv::Mat& gray, const std::vector<cv::KeyPoint>& keypoints) {
   std::vector<std::uint8_t> grey;
@@ -71,8 +73,8 @@ DescribedSequence describe_sequence(const Sequence& sequence, const DescribeOpti
     }
   }
   if (described.frames.empty()) {
-    throw InputError(sequence.name + ": none of its " + std::to_string(frames.size()) + " images could be read; the first: " +
-                     (problems.empty() ? "there is none" : problems.front()));
+    throw InputError(sequence.name + ": none of its " + std::to_string(frames.size()) +
+                     " images could be read; the first: " + (problems.empty() ? "there is none" : problems.front()));
   }
   return described;
 }

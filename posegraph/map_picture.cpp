@@ -70,7 +70,8 @@ class Projection {
   }
 
   cv::Point2d operator()(const Eigen::Vector3d& x) const {
-    return {0.5 * kWidth + px_per_m_ * (x(first_) - centre_(first_)), 0.5 * kPlotHeight - px_per_m_ * (x(second_) - centre_(second_))};
+    return {0.5 * kWidth + px_per_m_ * (x(first_) - centre_(first_)),
+            0.5 * kPlotHeight - px_per_m_ * (x(second_) - centre_(second_))};
   }
 
   double px_per_m() const { return px_per_m_; }
@@ -90,7 +91,8 @@ void draw_line(cv::Mat& picture, const cv::Point2d& a, const cv::Point2d& b, con
   cv::line(picture, subpixel(a), subpixel(b), colour, thickness, cv::LINE_AA, kSubpixelBits);
 }
 
-void draw_path(cv::Mat& picture, const Projection& project, const Path& path, const cv::Scalar& colour, int thickness, bool dashed) {
+void draw_path(cv::Mat& picture, const Projection& project, const Path& path, const cv::Scalar& colour, int thickness,
+               bool dashed) {
   constexpr double kDashPx = 7;
   double along = 0;
   for (std::size_t i = 1; i < path.size(); ++i) {
@@ -198,13 +200,16 @@ cv::Mat draw_map(const Sequence& sequence, const Map& map) {
   draw_path(picture, project, odometry, kOdometry, 2, false);
   draw_path(picture, project, result, kResult, 2, false);
   draw_path(picture, project, reference, kReference, 1, true);
-  for (const Eigen::Vector3d& x : result) cv::circle(picture, subpixel(project(x)), 2 << kSubpixelBits, kResult, -1, cv::LINE_AA, kSubpixelBits);
+  for (const Eigen::Vector3d& x : result)
+    cv::circle(picture, subpixel(project(x)), 2 << kSubpixelBits, kResult, -1, cv::LINE_AA, kSubpixelBits);
   cv::circle(picture, subpixel(project(result.front())), 7 << kSubpixelBits, kResult, 2, cv::LINE_AA, kSubpixelBits);
-  write_text(picture, "start", {static_cast<int>(project(result.front()).x) + 10, static_cast<int>(project(result.front()).y) - 8});
+  write_text(picture, "start",
+             {static_cast<int>(project(result.front()).x) + 10, static_cast<int>(project(result.front()).y) - 8});
   draw_scale_bar(picture, project.px_per_m());
   const LoopCounts counts = count_loops(map);
-  std::vector<LegendEntry> legend = {{kResult, "result" + (has_reference ? ", ATE " + metres(errors.final->translation_m.rmse) : "")},
-                                     {kOdometry, "odometry" + (has_reference ? ", ATE " + metres(errors.odometry->translation_m.rmse) : "")}};
+  std::vector<LegendEntry> legend = {
+      {kResult, "result" + (has_reference ? ", ATE " + metres(errors.final->translation_m.rmse) : "")},
+      {kOdometry, "odometry" + (has_reference ? ", ATE " + metres(errors.odometry->translation_m.rmse) : "")}};
   if (has_reference) legend.push_back({kReference, "reference", true});
   legend.push_back({kAccepted, std::to_string(counts.num_accepted) + " loops accepted"});
   legend.push_back({kRejected, std::to_string(counts.num_hypotheses - counts.num_accepted) + " rejected"});
@@ -214,7 +219,8 @@ cv::Mat draw_map(const Sequence& sequence, const Map& map) {
 
 void write_map_picture(const std::filesystem::path& path, const Sequence& sequence, const Map& map) {
   std::vector<unsigned char> bytes;
-  if (!cv::imencode(".png", draw_map(sequence, map), bytes)) throw InputError(path.string() + ": the picture could not be encoded as PNG");
+  if (!cv::imencode(".png", draw_map(sequence, map), bytes))
+    throw InputError(path.string() + ": the picture could not be encoded as PNG");
   OutputFile file(path);
   file.stream().write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   file.commit();

@@ -20,11 +20,14 @@ TrainedModel train_on(const DescribedSequence& described, const MapSequenceOptio
   training.num_threads = options.num_threads;
   training.command = "map, on the sequence itself";
   training.progress = options.progress;
-  return train_model(described.frames.size(), [&](std::size_t i) { return described.frames[i].features; }, training);
+  return train_model(
+      described.frames.size(), [&](std::size_t i) { return described.frames[i].features; }, training);
 }
 
 void require_two_mappable_frames(const Sequence& sequence, const DescribedSequence& described) {
-  const auto has_odometry = [&](const DescribedFrame& frame) { return sequence.frames[frame.frame].odom_from_camera.has_value(); };
+  const auto has_odometry = [&](const DescribedFrame& frame) {
+    return sequence.frames[frame.frame].odom_from_camera.has_value();
+  };
   if (std::count_if(described.frames.begin(), described.frames.end(), has_odometry) < 2) {
     throw InputError(sequence.name + ": fewer than two readable images have odometry; check the stamps of images and odometry");
   }

@@ -23,8 +23,8 @@ double median(std::vector<double> values) {
 
 }  // namespace
 
-OdometryNoise estimate_odometry_noise(const std::vector<double>& rotation_errors_deg, const std::vector<double>& direction_errors_deg,
-                                      const OdometryNoise& fallback) {
+OdometryNoise estimate_odometry_noise(const std::vector<double>& rotation_errors_deg,
+                                      const std::vector<double>& direction_errors_deg, const OdometryNoise& fallback) {
   OdometryNoise noise = fallback;
   if (rotation_errors_deg.size() >= kMinSteps) {
     noise.rotation_deg = std::max(kMinRotationDeg, median(rotation_errors_deg) / kMedianLength3d);

@@ -39,8 +39,9 @@ void write_loop_row(std::ostream& out, std::size_t query, double p_new, std::siz
       << ',' << v.num_inliers << ',' << (v.has_scale ? 1 : 0);
   for (const double value : {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()}) out << ',' << exact(value);
   out << ',' << rank << ',' << exact(outcome.log_likelihood) << ',' << exact(p_new) << ',' << v.num_point_inliers << ','
-      << exact(v.log10_false_alarms) << ',' << exact(v.inlier_area) << ',' << exact(v.median_parallax_deg) << ',' << exact(v.rotation_sigma_deg) << ','
-      << exact(v.translation_sigma) << ',' << exact(v.rms_error_px) << ',' << v.num_iterations << '\n';
+      << exact(v.log10_false_alarms) << ',' << exact(v.inlier_area) << ',' << exact(v.median_parallax_deg) << ','
+      << exact(v.rotation_sigma_deg) << ',' << exact(v.translation_sigma) << ',' << exact(v.rms_error_px) << ','
+      << v.num_iterations << '\n';
 }
 
 void write_frames_csv(const std::filesystem::path& path, const Sequence& sequence) {
@@ -64,7 +65,8 @@ void append_float(std::string& bytes, double value) {
 
 RunErrors run_errors(const Sequence& sequence, const Map& map) {
   const Trajectory reference = reference_of(sequence);
-  return {absolute_trajectory_error(map.odometry_trajectory, reference), absolute_trajectory_error(map.online_trajectory, reference),
+  return {absolute_trajectory_error(map.odometry_trajectory, reference),
+          absolute_trajectory_error(map.online_trajectory, reference),
           absolute_trajectory_error(map.final_trajectory, reference)};
 }
 
@@ -84,7 +86,8 @@ LoopCounts count_loops(const Map& map) {
 void write_loops_csv(const std::filesystem::path& path, const Map& map) {
   OutputFile file(path);
   file.stream() << "query,match,probability,verdict,matches,inliers,has_scale,tx,ty,tz,qx,qy,qz,qw,rank,log_likelihood,p_new,"
-                   "point_inliers,log10_false_alarms,inlier_area,parallax_deg,rotation_sigma_deg,translation_sigma,rms_error_px,iterations\n";
+                   "point_inliers,log10_false_alarms,inlier_area,parallax_deg,rotation_sigma_deg,translation_sigma,rms_error_px,"
+                   "iterations\n";
   for (const LoopEvent& event : map.events) {
     for (std::size_t rank = 0; rank < event.hypotheses.size(); ++rank) {
       write_loop_row(file.stream(), event.query, event.p_new, rank + 1, event.hypotheses[rank]);
@@ -108,10 +111,11 @@ void write_points_ply(const std::filesystem::path& path, const Map& map) {
     }
   }
   OutputFile file(path);
-  file.stream() << "ply\nformat binary_little_endian 1.0\ncomment world of trajectory.tum, metres of the odometry\nelement vertex "
-                << num_points
-                << "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
-                   "property uchar blue\nend_header\n";
+  file.stream()
+      << "ply\nformat binary_little_endian 1.0\ncomment world of trajectory.tum, metres of the odometry\nelement vertex "
+      << num_points
+      << "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
+         "property uchar blue\nend_header\n";
   file.stream().write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   file.commit();
 }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "posegraph/run_summary.h"
 
-#include <algorithm>
 #include <ceres/version.h>
+
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -36,7 +37,7 @@ Json stage(std::vector<double> seconds) {
 }
 
 Json timings(const MapTimes& times) {
-  return {{"read", stage(times.read_s)},           {"features", stage(times.describe_s)},   {"words", stage(times.words_s)},
+  return {{"read", stage(times.read_s)},           {"features", stage(times.describe_s)},    {"words", stage(times.words_s)},
           {"recognise", stage(times.recognise_s)}, {"neighbours", stage(times.neighbour_s)}, {"verify", stage(times.verify_s)},
           {"optimize", stage(times.optimize_s)}};
 }
@@ -44,7 +45,10 @@ Json timings(const MapTimes& times) {
 Json error_json(const std::optional<AbsoluteTrajectoryError>& error) {
   if (!error) return nullptr;
   const ErrorStatistics& statistics = error->translation_m;
-  return {{"rmse_m", statistics.rmse}, {"mean_m", statistics.mean}, {"median_m", statistics.median}, {"max_m", statistics.max},
+  return {{"rmse_m", statistics.rmse},
+          {"mean_m", statistics.mean},
+          {"median_m", statistics.median},
+          {"max_m", statistics.max},
           {"poses", statistics.count}};
 }
 
@@ -64,12 +68,9 @@ Json loops_json(const Map& map) {
 }
 
 Json model_json(const SequenceMap& result) {
-  return {{"trained_on_this_sequence", result.trained_here.has_value()},
-          {"features", to_string(result.model.features.kind)},
-          {"max_features", result.model.features.max_features},
-          {"words", result.model.vocabulary.num_words()},
-          {"training_images", result.model.provenance.num_images},
-          {"training_seed", result.model.provenance.seed}};
+  return {{"trained_on_this_sequence", result.trained_here.has_value()}, {"features", to_string(result.model.features.kind)},
+          {"max_features", result.model.features.max_features},          {"words", result.model.vocabulary.num_words()},
+          {"training_images", result.model.provenance.num_images},       {"training_seed", result.model.provenance.seed}};
 }
 
 }  // namespace
@@ -92,12 +93,9 @@ void write_run_summary(const std::filesystem::path& path, const Sequence& sequen
   summary["model"] = model_json(result);
   summary["odometry_noise"] = {{"rotation_deg_per_step", map.odometry_noise.rotation_deg},
                                {"translation_share_per_step", map.odometry_noise.translation}};
-  summary["graph"] = {{"vertices", map.graph.vertices.size()},
-                      {"edges", map.graph.edges.size()},
-                      {"initial_cost", map.report.initial_cost},
-                      {"final_cost", map.report.final_cost},
-                      {"iterations", map.report.iterations},
-                      {"termination", in_words(map.report.termination)}};
+  summary["graph"] = {{"vertices", map.graph.vertices.size()},   {"edges", map.graph.edges.size()},
+                      {"initial_cost", map.report.initial_cost}, {"final_cost", map.report.final_cost},
+                      {"iterations", map.report.iterations},     {"termination", in_words(map.report.termination)}};
   summary["ate"] = {{"alignment", "SE(3), frames matched by time within 0.01 s"},
                     {"odometry", error_json(errors.odometry)},
                     {"online", error_json(errors.online)},

@@ -16,7 +16,8 @@ namespace {
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 /// Angles between rays and points with respect to (translation in the world, rotation in the camera), radians.
-NormalEquations<6> linearise(std::span<const PointRay> data, std::span<const std::size_t> indices, const Pose& world_from_camera) {
+NormalEquations<6> linearise(std::span<const PointRay> data, std::span<const std::size_t> indices,
+                             const Pose& world_from_camera) {
   const Eigen::Matrix3d camera_from_world_rotation = world_from_camera.rotation.conjugate().toRotationMatrix();
   NormalEquations<6> normal;
   for (const std::size_t i : indices) {
@@ -42,12 +43,15 @@ NormalEquations<6> linearise(std::span<const PointRay> data, std::span<const std
 }
 
 Pose moved(const Pose& world_from_camera, const Vector6d& step) {
-  return {(world_from_camera.rotation * rotation_from_vector(step.tail<3>())).normalized(), world_from_camera.translation + step.head<3>()};
+  return {(world_from_camera.rotation * rotation_from_vector(step.tail<3>())).normalized(),
+          world_from_camera.translation + step.head<3>()};
 }
 
 /// Minimises the angles of the given data.
-Pose minimise(std::span<const PointRay> data, std::span<const std::size_t> indices, const Pose& world_from_camera, int max_steps) {
-  return levenberg_marquardt<6>(world_from_camera, [&](const Pose& pose) { return linearise(data, indices, pose); }, moved, max_steps);
+Pose minimise(std::span<const PointRay> data, std::span<const std::size_t> indices, const Pose& world_from_camera,
+              int max_steps) {
+  return levenberg_marquardt<6>(
+      world_from_camera, [&](const Pose& pose) { return linearise(data, indices, pose); }, moved, max_steps);
 }
 
 class AbsolutePoseProblem {

@@ -19,18 +19,20 @@ struct PointRay {
 };
 
 struct AbsolutePoseOptions {
-  double max_error_rad = 0.008;  ///< Angle between the ray and the point's direction; triangulated points need more than rays alone.
-  double confidence = 0.999;     ///< Of having drawn one sample without outliers.
-  int max_iterations = 500;      ///< Bounds the time spent where there is no pose.
+  double max_error_rad =
+      0.008;                  ///< Angle between the ray and the point's direction; triangulated points need more than rays alone.
+  double confidence = 0.999;  ///< Of having drawn one sample without outliers.
+  int max_iterations = 500;   ///< Bounds the time spent where there is no pose.
   std::uint64_t seed = 0;
 };
 
 /// Where a camera is among known points.
 struct AbsolutePose {
   Pose world_from_camera;
-  std::vector<std::size_t> inliers;         ///< Ascending.
-  Eigen::Matrix<double, 6, 6> information;  ///< Of (translation in the world, rotation in the camera), from the inliers' own noise.
-  double rms_error_rad = 0;                 ///< Of the inliers, per axis.
+  std::vector<std::size_t> inliers;  ///< Ascending.
+  Eigen::Matrix<double, 6, 6>
+      information;           ///< Of (translation in the world, rotation in the camera), from the inliers' own noise.
+  double rms_error_rad = 0;  ///< Of the inliers, per axis.
   int iterations = 0;
 };
 

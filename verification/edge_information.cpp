@@ -59,7 +59,8 @@ EdgeInformation direction_edge_information(const RelativePose& relative) {
   // From (rotation, tangent plane in the match) to (translation in the query, rotation).
   Eigen::Matrix<double, 5, 6> from_edge = Eigen::Matrix<double, 5, 6>::Zero();
   from_edge.topRightCorner<3, 3>().setIdentity();
-  from_edge.bottomLeftCorner<2, 3>() = relative.direction_basis.transpose() * relative.match_from_query.rotation.toRotationMatrix();
+  from_edge.bottomLeftCorner<2, 3>() =
+      relative.direction_basis.transpose() * relative.match_from_query.rotation.toRotationMatrix();
   edge.information = symmetric(from_edge.transpose() * covariance.inverse() * from_edge);
   return edge;
 }

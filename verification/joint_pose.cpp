@@ -95,12 +95,15 @@ Active select_inliers(const JointData& data, const Pose& pose, const JointPoseOp
   const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
   Active active;
   Scatter ray_scatter, point_scatter;
-  active.pairs = select(data.pairs, options.max_ray_error_rad,
-                        [&](const RayPair& pair) { return ray_residual(pair, pose, rotation); }, ray_scatter);
-  active.match_points = select(data.match_points, options.max_point_error_rad,
-                               [&](const PointRay& datum) { return match_point_residual(datum, pose, rotation); }, point_scatter);
-  active.query_points = select(data.query_points, options.max_point_error_rad,
-                               [&](const PointRay& datum) { return query_point_residual(datum, pose, rotation); }, point_scatter);
+  active.pairs = select(
+      data.pairs, options.max_ray_error_rad, [&](const RayPair& pair) { return ray_residual(pair, pose, rotation); },
+      ray_scatter);
+  active.match_points = select(
+      data.match_points, options.max_point_error_rad,
+      [&](const PointRay& datum) { return match_point_residual(datum, pose, rotation); }, point_scatter);
+  active.query_points = select(
+      data.query_points, options.max_point_error_rad,
+      [&](const PointRay& datum) { return query_point_residual(datum, pose, rotation); }, point_scatter);
   active.ray_sigma_rad = ray_scatter.sigma();
   active.point_sigma_rad = point_scatter.sigma();
   return active;
@@ -108,7 +111,8 @@ Active select_inliers(const JointData& data, const Pose& pose, const JointPoseOp
 
 double median_depth(const JointData& data, const Active& active, const Pose& match_from_query) {
   std::vector<double> depths;
-  for (const std::size_t i : active.match_points) depths.push_back((data.match_points[i].point_in_world - match_from_query.translation).norm());
+  for (const std::size_t i : active.match_points)
+    depths.push_back((data.match_points[i].point_in_world - match_from_query.translation).norm());
   for (const std::size_t i : active.query_points) depths.push_back(data.query_points[i].point_in_world.norm());
   if (depths.empty()) return 0;
   const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
@@ -128,8 +132,10 @@ NormalEquations<6> linearise(const JointData& data, const Active& active, const 
   if (pose.translation.norm() > min_baseline) {
     for (const std::size_t i : active.pairs) add(ray_residual(data.pairs[i], pose, rotation), active.ray_sigma_rad);
   }
-  for (const std::size_t i : active.match_points) add(match_point_residual(data.match_points[i], pose, rotation), active.point_sigma_rad);
-  for (const std::size_t i : active.query_points) add(query_point_residual(data.query_points[i], pose, rotation), active.point_sigma_rad);
+  for (const std::size_t i : active.match_points)
+    add(match_point_residual(data.match_points[i], pose, rotation), active.point_sigma_rad);
+  for (const std::size_t i : active.query_points)
+    add(query_point_residual(data.query_points[i], pose, rotation), active.point_sigma_rad);
   return normal;
 }
 

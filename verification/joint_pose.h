@@ -14,9 +14,9 @@ namespace fabloop {
 
 /// Everything that two views say about their metric relative pose.
 struct JointData {
-  std::vector<RayPair> pairs;           ///< Rays of both.
-  std::vector<PointRay> match_points;   ///< Points in the match's frame, rays of the query.
-  std::vector<PointRay> query_points;   ///< Points in the query's frame, rays of the match.
+  std::vector<RayPair> pairs;          ///< Rays of both.
+  std::vector<PointRay> match_points;  ///< Points in the match's frame, rays of the query.
+  std::vector<PointRay> query_points;  ///< Points in the query's frame, rays of the match.
 };
 
 struct JointPoseOptions {
@@ -26,10 +26,10 @@ struct JointPoseOptions {
 
 struct JointPose {
   Pose match_from_query;
-  std::vector<std::size_t> pair_inliers;       ///< Indices into JointData::pairs.
-  std::size_t num_point_inliers = 0;           ///< Of both sides together.
-  Eigen::Matrix<double, 6, 6> covariance;      ///< Of (translation, rotation) in the query's axes, from the inliers' scatter alone.
-  double median_depth = 0;                     ///< Of the point inliers, in the unit of the points.
+  std::vector<std::size_t> pair_inliers;   ///< Indices into JointData::pairs.
+  std::size_t num_point_inliers = 0;       ///< Of both sides together.
+  Eigen::Matrix<double, 6, 6> covariance;  ///< Of (translation, rotation) in the query's axes, from the inliers' scatter alone.
+  double median_depth = 0;                 ///< Of the point inliers, in the unit of the points.
 };
 
 /// Refines a metric pose on rays and points together: the rays know the rotation and the direction best, the points the

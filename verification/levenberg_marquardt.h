@@ -15,8 +15,8 @@ struct NormalEquations {
   double cost = 0;
 };
 
-/// Minimises by Levenberg-Marquardt from `state`: `linearise(state) -> NormalEquations<kDimension>`, `move(state, step) -> state`.
-/// For the few parameters of two views; whole graphs go to Ceres.
+/// Minimises by Levenberg-Marquardt from `state`: `linearise(state) -> NormalEquations<kDimension>`, `move(state, step) ->
+/// state`. For the few parameters of two views; whole graphs go to Ceres.
 template <int kDimension, typename State, typename Linearise, typename Move>
 State levenberg_marquardt(State state, const Linearise& linearise, const Move& move, int max_steps) {
   constexpr double kMaxDamping = 1e6;

@@ -97,7 +97,8 @@ void LoopCloser::verify(const std::vector<Hypothesis>& hypotheses, LoopEvent& ev
   event.hypotheses.resize(hypotheses.size());
   parallel_for(hypotheses.size(), options_.num_threads, [&](std::size_t i) {
     const View& match = views_[hypotheses[i].place];
-    event.hypotheses[i] = {match.frame, hypotheses[i].probability, hypotheses[i].log_likelihood, verifier_.verify(views_.back(), match)};
+    event.hypotheses[i] = {match.frame, hypotheses[i].probability, hypotheses[i].log_likelihood,
+                           verifier_.verify(views_.back(), match)};
   });
 }
 

@@ -59,7 +59,7 @@ struct LoopCloserTimes {
 /// Everything that one keyframe led to.
 struct LoopEvent {
   std::size_t query = 0;
-  double p_new = 1;  ///< Probability that the place was never seen before, neighbours in time left out.
+  double p_new = 1;                           ///< Probability that the place was never seen before, neighbours in time left out.
   std::vector<HypothesisOutcome> hypotheses;  ///< Most probable first; accepted ones have Verdict::Accepted.
   std::vector<NeighbourLink> neighbours;      ///< What the images say about the way from earlier keyframes, nearest first.
   LoopCloserTimes times;
@@ -89,7 +89,7 @@ class LoopCloser {
   PlaceRecognizer recognizer_;
   Verifier verifier_;
   std::optional<Belief> belief_;
-  std::vector<View> views_;               ///< By place.
+  std::vector<View> views_;              ///< By place.
   std::vector<Pose> odom_from_cameras_;  ///< By place.
 };
 

@@ -52,13 +52,15 @@ Nearest nearest_of_row(const float* row, const std::vector<cv::KeyPoint>& keypoi
   const auto& best_keypoint = keypoints[static_cast<std::size_t>(nearest.index)];
   for (std::size_t m = 0; m < keypoints.size(); ++m) {
     if (row[m] >= nearest.second_distance) continue;
-    if (static_cast<int>(m) != nearest.index && !same_spot(keypoints[m], best_keypoint, same_spot_px)) nearest.second_distance = row[m];
+    if (static_cast<int>(m) != nearest.index && !same_spot(keypoints[m], best_keypoint, same_spot_px))
+      nearest.second_distance = row[m];
   }
   return nearest;
 }
 
 /// Keeps the first match of each spot of the query.
-std::vector<Match> one_a_spot(const std::vector<Match>& matches, const std::vector<cv::KeyPoint>& keypoints, double same_spot_px) {
+std::vector<Match> one_a_spot(const std::vector<Match>& matches, const std::vector<cv::KeyPoint>& keypoints,
+                              double same_spot_px) {
   std::vector<Match> kept;
   for (const Match& match : matches) {
     const auto& keypoint = keypoints[static_cast<std::size_t>(match.query)];
@@ -76,9 +78,8 @@ std::vector<Match> match_features(const Features& query, const Features& match, 
   assert(query.kind == match.kind);
   if (query.keypoints.empty() || match.keypoints.empty()) return {};
   const bool has_bits = query.descriptors.type() == CV_8U;
-  const cv::Mat1f distances =
-      has_bits ? squared_hamming(query.descriptors, match.descriptors)
-               : PackedDescriptors(match.descriptors).squared_distances(query.descriptors);
+  const cv::Mat1f distances = has_bits ? squared_hamming(query.descriptors, match.descriptors)
+                                       : PackedDescriptors(match.descriptors).squared_distances(query.descriptors);
   std::vector<float> to_nearest_query = column_minima(distances);
   std::vector<Match> matches;
   for (int q = 0; q < distances.rows; ++q) {

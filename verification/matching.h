@@ -9,8 +9,8 @@ namespace fabloop {
 
 /// A feature of the query and the feature of the match that looks most like it.
 struct Match {
-  int query = 0;  ///< Index into the query's features.
-  int match = 0;  ///< Index into the match's features.
+  int query = 0;    ///< Index into the query's features.
+  int match = 0;    ///< Index into the match's features.
   float ratio = 0;  ///< Distance to the best over distance to the second best: small is distinctive.
 };
 

@@ -38,7 +38,8 @@ std::optional<MetricPose> points_from_rays(const std::vector<PointRay>& data, do
   const auto pose = estimate_absolute_pose(data, pose_options);
   if (!pose) return std::nullopt;
   std::vector<double> depths;
-  for (const std::size_t i : pose->inliers) depths.push_back((data[i].point_in_world - pose->world_from_camera.translation).norm());
+  for (const std::size_t i : pose->inliers)
+    depths.push_back((data[i].point_in_world - pose->world_from_camera.translation).norm());
   MetricPose metric{pose->world_from_camera, static_cast<int>(pose->inliers.size()), 0, 0};
   metric.inlier_ratio = static_cast<double>(pose->inliers.size()) / static_cast<double>(data.size());
   metric.median_depth = median(std::move(depths));

@@ -13,7 +13,8 @@ namespace {
 constexpr double kAsManyInliers = 0.9;
 
 /// The relative pose from the images: the one that the odometry leads to when it explains as much as the best one.
-std::optional<RelativePose> relative_pose_near(const std::vector<RayPair>& pairs, const Pose& odometry, const RelativePoseOptions& options) {
+std::optional<RelativePose> relative_pose_near(const std::vector<RayPair>& pairs, const Pose& odometry,
+                                               const RelativePoseOptions& options) {
   auto best = estimate_relative_pose(pairs, options);
   auto near = refine_relative_pose(pairs, odometry, options);
   if (!best || !near) return best ? best : near;
@@ -30,7 +31,8 @@ int triangulate_inliers(View& previous, View& current, const std::vector<Match>&
     if (!x_in_previous) continue;
     const double parallax_rad = angle_between(*x_in_previous, *x_in_previous - previous_from_current.translation);
     add_point_measurement(previous, static_cast<std::size_t>(matches[i].match), *x_in_previous, parallax_rad);
-    add_point_measurement(current, static_cast<std::size_t>(matches[i].query), current_from_previous * *x_in_previous, parallax_rad);
+    add_point_measurement(current, static_cast<std::size_t>(matches[i].query), current_from_previous * *x_in_previous,
+                          parallax_rad);
     ++num_points;
   }
   return num_points;
@@ -67,7 +69,8 @@ std::optional<NeighbourLink> link_neighbours(View& previous, View& current, cons
   link.previous_from_current = {seen.rotation, baseline * seen.translation};
   link.information = direction_edge_information(*relative).information;
   link.num_inliers = static_cast<int>(relative->inliers.size());
-  link.num_points = triangulate_inliers(previous, current, matches, pairs, *relative, link.previous_from_current, options.triangulation);
+  link.num_points =
+      triangulate_inliers(previous, current, matches, pairs, *relative, link.previous_from_current, options.triangulation);
   return link;
 }
 

@@ -27,11 +27,12 @@ struct NeighbourOptions {
 
 /// What the images say about two views taken shortly after one another.
 struct NeighbourLink {
-  std::size_t previous = 0;      ///< View::frame of the earlier one.
-  Pose previous_from_current;    ///< Rotation and direction from the images, length from the odometry.
-  Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();  ///< As Verification::information; none along the direction.
+  std::size_t previous = 0;    ///< View::frame of the earlier one.
+  Pose previous_from_current;  ///< Rotation and direction from the images, length from the odometry.
+  Eigen::Matrix<double, 6, 6> information =
+      Eigen::Matrix<double, 6, 6>::Zero();  ///< As Verification::information; none along the direction.
   int num_inliers = 0;
-  int num_points = 0;            ///< Triangulated here.
+  int num_points = 0;              ///< Triangulated here.
   double rotation_error_deg = 0;   ///< Between odometry and images.
   double direction_error_deg = 0;  ///< The same for the direction of travel.
 };

@@ -50,7 +50,8 @@ bool has_planar_rival(std::span<const RayPair> pairs, const RelativePose& best, 
     for (int r = 0; r < 3; ++r) {
       for (int c = 0; c < 3; ++c) rotation(r, c) = rotations[k].at<double>(r, c);
     }
-    const Eigen::Vector3d translation(translations[k].at<double>(0), translations[k].at<double>(1), translations[k].at<double>(2));
+    const Eigen::Vector3d translation(translations[k].at<double>(0), translations[k].at<double>(1),
+                                      translations[k].at<double>(2));
     const auto rival = refine_relative_pose(pairs, {Eigen::Quaterniond(rotation).normalized(), translation}, pose_options);
     if (!rival) continue;
     const Pose& a = best.match_from_query;

@@ -15,7 +15,7 @@ namespace fabloop {
 
 /// How long to look for a model, and what agrees with it.
 struct RansacOptions {
-  double max_error_rad = 0;  ///< Residual up to which a datum agrees with a model. A pixel threshold over the focal length.
+  double max_error_rad = 0;   ///< Residual up to which a datum agrees with a model. A pixel threshold over the focal length.
   double confidence = 0.999;  ///< Probability of having drawn one sample without outliers before stopping.
   int max_iterations = 1500;  ///< Bounds the time spent on data without a model.
   std::uint64_t seed = 0;
@@ -94,14 +94,16 @@ std::vector<std::size_t> inliers_of(const Problem& problem, const typename Probl
 
 /// Draws needed until one of `sample_size` inliers has been drawn with the wanted confidence.
 inline double needed_iterations(std::size_t num_inliers, std::size_t num_data, std::size_t sample_size, double confidence) {
-  const double p_good = std::pow(static_cast<double>(num_inliers) / static_cast<double>(num_data), static_cast<double>(sample_size));
+  const double p_good =
+      std::pow(static_cast<double>(num_inliers) / static_cast<double>(num_data), static_cast<double>(sample_size));
   if (p_good >= 1.0) return 0;
   if (p_good <= 0.0) return std::numeric_limits<double>::infinity();
   return std::log(1.0 - confidence) / std::log1p(-p_good);
 }
 
 /// Locally optimised RANSAC (Chum, Matas & Kittler 2003) over data sorted by quality. A Problem has: `Model`, `kSampleSize`,
-/// `size()`, `solve(sample) -> models`, `evaluator(model) -> (index -> squared error in radians)`, `refine(model, inliers) -> model`.
+/// `size()`, `solve(sample) -> models`, `evaluator(model) -> (index -> squared error in radians)`, `refine(model, inliers) ->
+/// model`.
 template <typename Problem>
 std::optional<RansacResult<typename Problem::Model>> ransac(const Problem& problem, const RansacOptions& options) {
   constexpr std::size_t kSize = Problem::kSampleSize;

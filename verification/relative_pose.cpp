@@ -82,7 +82,8 @@ Pose moved(const Pose& match_from_query, const Vector5d& step) {
 
 /// Minimises the Sampson distances of the given pairs.
 Pose minimise(std::span<const RayPair> pairs, std::span<const std::size_t> indices, const Pose& match_from_query, int max_steps) {
-  return levenberg_marquardt<5>(match_from_query, [&](const Pose& pose) { return linearise(pairs, indices, pose); }, moved, max_steps);
+  return levenberg_marquardt<5>(
+      match_from_query, [&](const Pose& pose) { return linearise(pairs, indices, pose); }, moved, max_steps);
 }
 
 /// The poses of an essential matrix that see every pair of the sample in front of both cameras.
@@ -94,7 +95,8 @@ void append_poses(const Eigen::Matrix3d& essential, std::span<const RayPair> pai
   if (u.determinant() < 0) u = -u;
   if (v.determinant() < 0) v = -v;
   const Eigen::Matrix3d w = (Eigen::Matrix3d() << 0, -1, 0, 1, 0, 0, 0, 0, 1).finished();
-  for (const Eigen::Matrix3d& rotation : {Eigen::Matrix3d(u * w * v.transpose()), Eigen::Matrix3d(u * w.transpose() * v.transpose())}) {
+  for (const Eigen::Matrix3d& rotation :
+       {Eigen::Matrix3d(u * w * v.transpose()), Eigen::Matrix3d(u * w.transpose() * v.transpose())}) {
     for (const double sign : {1.0, -1.0}) {
       const Eigen::Vector3d translation = sign * u.col(2);
       const bool in_front = std::all_of(sample.begin(), sample.end(),
@@ -146,8 +148,8 @@ class RelativePoseProblem {
 };
 
 /// Inliers in front of both cameras.
-std::vector<std::size_t> seen_inliers(const RelativePoseProblem& problem, std::span<const RayPair> pairs, const Pose& match_from_query,
-                                      double max_error_rad) {
+std::vector<std::size_t> seen_inliers(const RelativePoseProblem& problem, std::span<const RayPair> pairs,
+                                      const Pose& match_from_query, double max_error_rad) {
   std::vector<std::size_t> inliers = inliers_of(problem, match_from_query, max_error_rad);
   const Eigen::Matrix3d rotation = match_from_query.rotation.toRotationMatrix();
   std::erase_if(inliers, [&](std::size_t i) { return !in_front_of_both(pairs[i], rotation, match_from_query.translation); });

@@ -27,11 +27,11 @@ struct RelativePoseOptions {
 
 /// How two views relate up to scale.
 struct RelativePose {
-  Pose match_from_query;                  ///< Translation of unit length: a direction.
-  std::vector<std::size_t> inliers;       ///< Indices of agreeing pairs in front of both cameras, ascending.
-  Eigen::Matrix<double, 5, 5> information;  ///< Of (rotation in the query frame, direction on its tangent plane), 1/rad^2.
+  Pose match_from_query;                        ///< Translation of unit length: a direction.
+  std::vector<std::size_t> inliers;             ///< Indices of agreeing pairs in front of both cameras, ascending.
+  Eigen::Matrix<double, 5, 5> information;      ///< Of (rotation in the query frame, direction on its tangent plane), 1/rad^2.
   Eigen::Matrix<double, 3, 2> direction_basis;  ///< The tangent plane's axes in the match frame.
-  double rms_error_rad = 0;               ///< Of the inliers.
+  double rms_error_rad = 0;                     ///< Of the inliers.
   int iterations = 0;
 };
 

@@ -9,7 +9,8 @@
 namespace fabloop {
 
 struct TriangulationOptions {
-  /// Rays that meet at a smaller angle say little about depth. 1 degree at 1 px of noise and 500 px of focal length is 11 % of depth.
+  /// Rays that meet at a smaller angle say little about depth. 1 degree at 1 px of noise and 500 px of focal length is 11 % of
+  /// depth.
   double min_parallax_deg = 1.0;
   double max_error_rad = 0.008;  ///< Largest angle between each ray and the point found.
 };

@@ -74,7 +74,8 @@ void decide_metric(const MetricPoses& poses, const JointPose& joint, const Verif
   result.rotation_sigma_deg = deg_from_rad(edge.rotation_sigma_rad);
   result.translation_sigma = edge.translation_sigma / joint.median_depth;
   const bool rays_agree = static_cast<double>(joint.pair_inliers.size()) >= options.min_ray_inlier_ratio * result.num_inliers;
-  const bool points_agree = poses.best()->inlier_ratio >= options.min_point_inlier_ratio && result.num_point_inliers >= options.min_points;
+  const bool points_agree =
+      poses.best()->inlier_ratio >= options.min_point_inlier_ratio && result.num_point_inliers >= options.min_points;
   if (!rays_agree || !points_agree || !sides_agree(poses, options)) {
     result.verdict = Verdict::ScaleDisagrees;
     return;
@@ -113,17 +114,28 @@ void decide_direction(std::span<const RayPair> pairs, const RelativePose& relati
 
 std::string_view to_string(Verdict verdict) {
   switch (verdict) {
-    case Verdict::Accepted: return "Accepted";
-    case Verdict::TooFewMatches: return "TooFewMatches";
-    case Verdict::NoPose: return "NoPose";
-    case Verdict::TooFewInliers: return "TooFewInliers";
-    case Verdict::AccidentalInliers: return "AccidentalInliers";
-    case Verdict::InliersInCorner: return "InliersInCorner";
-    case Verdict::NoParallax: return "NoParallax";
-    case Verdict::AmbiguousPose: return "AmbiguousPose";
-    case Verdict::ScaleDisagrees: return "ScaleDisagrees";
-    case Verdict::PoorlyConstrained: return "PoorlyConstrained";
-    case Verdict::ContradictsMap: return "ContradictsMap";
+    case Verdict::Accepted:
+      return "Accepted";
+    case Verdict::TooFewMatches:
+      return "TooFewMatches";
+    case Verdict::NoPose:
+      return "NoPose";
+    case Verdict::TooFewInliers:
+      return "TooFewInliers";
+    case Verdict::AccidentalInliers:
+      return "AccidentalInliers";
+    case Verdict::InliersInCorner:
+      return "InliersInCorner";
+    case Verdict::NoParallax:
+      return "NoParallax";
+    case Verdict::AmbiguousPose:
+      return "AmbiguousPose";
+    case Verdict::ScaleDisagrees:
+      return "ScaleDisagrees";
+    case Verdict::PoorlyConstrained:
+      return "PoorlyConstrained";
+    case Verdict::ContradictsMap:
+      return "ContradictsMap";
   }
   return "";
 }
@@ -167,16 +179,17 @@ Verification Verifier::verify(const View& query, const View& match) const {
   result.verdict = Verdict::AccidentalInliers;
   if (result.log10_false_alarms > options_.max_log10_false_alarms) return result;
 
-  result.inlier_area = std::min(hull_share(query, result.inliers, &Match::query), hull_share(match, result.inliers, &Match::match));
+  result.inlier_area =
+      std::min(hull_share(query, result.inliers, &Match::query), hull_share(match, result.inliers, &Match::match));
   result.verdict = Verdict::InliersInCorner;
   if (result.inlier_area < options_.min_inlier_area) return result;
 
-  const MetricPoses metric =
-      estimate_metric_poses(query, match, result.inliers,
-                            {options_.min_points, options_.max_point_error_px, options_.confidence, pose_options.seed});
+  const MetricPoses metric = estimate_metric_poses(
+      query, match, result.inliers, {options_.min_points, options_.max_point_error_px, options_.confidence, pose_options.seed});
   if (metric.best()) {
-    const JointPose joint = refine_joint_pose(joint_data(query, match, matches, pairs), metric.best()->match_from_query,
-                                              {pose_options.max_error_rad, options_.max_point_error_px / match.camera.focal_px()});
+    const JointPose joint =
+        refine_joint_pose(joint_data(query, match, matches, pairs), metric.best()->match_from_query,
+                          {pose_options.max_error_rad, options_.max_point_error_px / match.camera.focal_px()});
     decide_metric(metric, joint, options_, result);
   } else {
     decide_direction(pairs, *relative, pose_options, options_, result);

@@ -43,22 +43,22 @@ struct VerifierOptions {
   double max_log10_false_alarms = -3.0;  ///< Accepted accidents: at most one pair in 1000 of accidental matches.
   /// Least share of either image that the inliers' convex hull covers. Pairs that merely touch leave the pose to a few pixels.
   double min_inlier_area = 0.07;
-  int min_points = 12;                   ///< Inliers with known depth from which scale is taken.
-  double min_point_inlier_ratio = 0.5;   ///< Of the epipolar inliers that have depth, how many must agree with the metric pose.
+  int min_points = 12;                  ///< Inliers with known depth from which scale is taken.
+  double min_point_inlier_ratio = 0.5;  ///< Of the epipolar inliers that have depth, how many must agree with the metric pose.
   /// Share of the epipolar inliers that the metric pose must keep: points and rays must tell one story.
   double min_ray_inlier_ratio = 0.7;
-  double min_parallax_deg = 1.0;         ///< Below it the direction between two views without known depth means nothing.
+  double min_parallax_deg = 1.0;  ///< Below it the direction between two views without known depth means nothing.
   /// Largest standard deviation of the rotation. Loops worse than this bend a map more than they mend it.
   double max_rotation_sigma_deg = 1.0;
-  double max_direction_sigma_deg = 5.0;     ///< The same for the direction of translation of loops without scale.
-  double max_translation_sigma = 0.03;      ///< The same for loops with scale, as a share of the median depth.
-  double scale_sigma = 0.05;                ///< Relative standard deviation of the unit of length: the odometry's step error.
+  double max_direction_sigma_deg = 5.0;  ///< The same for the direction of translation of loops without scale.
+  double max_translation_sigma = 0.03;   ///< The same for loops with scale, as a share of the median depth.
+  double scale_sigma = 0.05;             ///< Relative standard deviation of the unit of length: the odometry's step error.
   /// Largest standard deviation of the distance between the views that `scale_sigma` causes, as a share of the median depth.
   /// Loops between views further apart state a direction only.
   double max_distance_sigma = 0.035;
-  double confidence = 0.999;                ///< RANSAC's.
-  int max_iterations = 1500;                ///< RANSAC's bound: time spent on false candidates.
-  std::uint64_t seed = 0;                   ///< Combined with the frames' numbers, so that order does not matter.
+  double confidence = 0.999;  ///< RANSAC's.
+  int max_iterations = 1500;  ///< RANSAC's bound: time spent on false candidates.
+  std::uint64_t seed = 0;     ///< Combined with the frames' numbers, so that order does not matter.
 };
 
 /// What was found out about a pair of views, as far as the gates were passed.

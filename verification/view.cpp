@@ -46,8 +46,8 @@ void add_point_measurement(View& view, std::size_t i, const Eigen::Vector3d& x_i
 }
 
 std::size_t count_points(const View& view) {
-  return static_cast<std::size_t>(
-      std::count_if(view.points_in_camera.begin(), view.points_in_camera.end(), [](const auto& point) { return point.has_value(); }));
+  return static_cast<std::size_t>(std::count_if(view.points_in_camera.begin(), view.points_in_camera.end(),
+                                                [](const auto& point) { return point.has_value(); }));
 }
 
 }  // namespace fabloop

@@ -18,7 +18,7 @@ struct View {
   Features features;                                             ///< N.
   std::vector<Eigen::Vector3d> rays;                             ///< N, unit, camera frame.
   std::vector<std::optional<Eigen::Vector3d>> points_in_camera;  ///< N, in the odometry's unit of length.
-  std::vector<double> point_weights;                             ///< N, of the points as measured so far; see add_point_measurement().
+  std::vector<double> point_weights;  ///< N, of the points as measured so far; see add_point_measurement().
 };
 
 /// A view without points.

@@ -18,7 +18,8 @@ constexpr std::size_t kRows = 6;  ///< With two vectors a row, twelve accumulato
 #endif
 
 template <std::size_t kNumRows>
-FABLOOP_ALWAYS_INLINE void tile(const float* rows, std::size_t dimension, const float* panel, float* products, std::size_t stride) {
+FABLOOP_ALWAYS_INLINE void tile(const float* rows, std::size_t dimension, const float* panel, float* products,
+                                std::size_t stride) {
   Vector8 sums[kNumRows][2] = {};
   for (std::size_t d = 0; d < dimension; ++d) {
     Vector8 low, high;
@@ -33,8 +34,8 @@ FABLOOP_ALWAYS_INLINE void tile(const float* rows, std::size_t dimension, const 
   for (std::size_t r = 0; r < kNumRows; ++r) std::memcpy(products + r * stride, sums[r], sizeof sums[r]);
 }
 
-FABLOOP_ALWAYS_INLINE void all_rows(const float* rows, std::size_t num_rows, std::size_t dimension, const float* panel, float* products,
-                                    std::size_t stride) {
+FABLOOP_ALWAYS_INLINE void all_rows(const float* rows, std::size_t num_rows, std::size_t dimension, const float* panel,
+                                    float* products, std::size_t stride) {
   std::size_t r = 0;
   for (; r + kRows <= num_rows; r += kRows) tile<kRows>(rows + r * dimension, dimension, panel, products + r * stride, stride);
   for (; r < num_rows; ++r) tile<1>(rows + r * dimension, dimension, panel, products + r * stride, stride);

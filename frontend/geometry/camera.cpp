@@ -16,8 +16,7 @@ cv::Matx33d camera_matrix(const Camera& camera) { return {camera.fx, 0, camera.c
 Eigen::Vector2d distort_radtan(const std::vector<double>& coefficients, double x, double y) {
   const auto k = [&](std::size_t i) { return i < coefficients.size() ? coefficients[i] : 0.0; };
   const double r2 = x * x + y * y;
-  const double radial =
-      (1 + r2 * (k(0) + r2 * (k(1) + r2 * k(4)))) / (1 + r2 * (k(5) + r2 * (k(6) + r2 * k(7))));
+  const double radial = (1 + r2 * (k(0) + r2 * (k(1) + r2 * k(4)))) / (1 + r2 * (k(5) + r2 * (k(6) + r2 * k(7))));
   return {x * radial + 2 * k(2) * x * y + k(3) * (r2 + 2 * x * x), y * radial + k(2) * (r2 + 2 * y * y) + 2 * k(3) * x * y};
 }
 
@@ -54,7 +53,8 @@ std::vector<Eigen::Vector3d> bearings(const Camera& camera, const std::vector<Ei
     cv::fisheye::undistortPoints(distorted, normalised, camera_matrix(camera), camera.distortion);
   } else {
     const cv::TermCriteria until_exact(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 40, 1e-10);
-    cv::undistortPoints(distorted, normalised, camera_matrix(camera), camera.distortion, cv::noArray(), cv::noArray(), until_exact);
+    cv::undistortPoints(distorted, normalised, camera_matrix(camera), camera.distortion, cv::noArray(), cv::noArray(),
+                        until_exact);
   }
   rays.reserve(pixels.size());
   for (const auto& point : normalised) rays.push_back(Eigen::Vector3d(point.x, point.y, 1.0).normalized());
@@ -87,8 +87,9 @@ void validate(const Camera& camera, const std::string& where) {
     fail("a distortion coefficient is not finite");
   }
   const std::size_t count = camera.distortion.size();
-  const bool fits = camera.distortion_model == DistortionModel::Equidistant ? (count == 0 || count == 4)
-                                                                            : (count == 0 || count == 4 || count == 5 || count == 8);
+  const bool fits = camera.distortion_model == DistortionModel::Equidistant
+                        ? (count == 0 || count == 4)
+                        : (count == 0 || count == 4 || count == 5 || count == 8);
   if (!fits) fail("the number of distortion coefficients (" + std::to_string(count) + ") does not fit the distortion model");
 }
 

@@ -17,8 +17,8 @@ enum class DistortionModel {
 /// A calibrated pinhole camera with a lens. Pixel centres lie at integers ((0, 0) is the centre of the first pixel), as in
 /// OpenCV. Camera axes: x right, y down, z forward.
 struct Camera {
-  int width = 0;   ///< Pixels.
-  int height = 0;  ///< Pixels.
+  int width = 0;                          ///< Pixels.
+  int height = 0;                         ///< Pixels.
   double fx = 0, fy = 0, cx = 0, cy = 0;  ///< Pixels.
   DistortionModel distortion_model = DistortionModel::Radtan;
   std::vector<double> distortion;  ///< Coefficients in OpenCV's order; empty for none.

@@ -47,7 +47,9 @@ inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
 }
 
 /// Angle between two directions, in [0, pi] radians; exact for small ones too.
-inline double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
+inline double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
 
 inline constexpr double kPi = 3.14159265358979323846;
 inline constexpr double deg_from_rad(double radians) { return radians * 180.0 / kPi; }

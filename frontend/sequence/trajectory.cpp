@@ -38,8 +38,8 @@ std::optional<std::int64_t> nanoseconds_from_seconds(std::string_view text) {
   const std::string_view decimals = dot == std::string_view::npos ? std::string_view() : text.substr(dot + 1);
   std::int64_t seconds = 0;
   const auto [end, error] = std::from_chars(whole.data(), whole.data() + whole.size(), seconds);
-  const bool is_plain_decimal = error == std::errc() && end == whole.data() + whole.size() && !whole.empty() && whole.front() != '-' &&
-                                decimals.find_first_not_of("0123456789") == std::string_view::npos;
+  const bool is_plain_decimal = error == std::errc() && end == whole.data() + whole.size() && !whole.empty() &&
+                                whole.front() != '-' && decimals.find_first_not_of("0123456789") == std::string_view::npos;
   if (!is_plain_decimal) {
     // Scientific notation, as some writers print it, holds no exact nanoseconds anyway.
     const auto value = parse_double(text);
@@ -74,7 +74,8 @@ Trajectory read_tum(const std::filesystem::path& path) {
   std::string line;
   for (int line_number = 1; std::getline(file, line); ++line_number) {
     const auto fail = [&](const std::string& what) {
-      throw InputError(path.string() + ":" + std::to_string(line_number) + ": " + what + "; a TUM line is 't tx ty tz qx qy qz qw'");
+      throw InputError(path.string() + ":" + std::to_string(line_number) + ": " + what +
+                       "; a TUM line is 't tx ty tz qx qy qz qw'");
     };
     std::istringstream words(line);
     std::string word;
@@ -106,8 +107,8 @@ void write_tum(const std::filesystem::path& path, const Trajectory& trajectory) 
   for (const auto& [time_ns, pose] : trajectory) {
     const auto& t = pose.translation;
     const auto& q = pose.rotation;
-    file.stream() << seconds_from_nanoseconds(time_ns) << ' ' << t.x() << ' ' << t.y() << ' ' << t.z() << ' ' << q.x() << ' ' << q.y()
-                  << ' ' << q.z() << ' ' << q.w() << '\n';
+    file.stream() << seconds_from_nanoseconds(time_ns) << ' ' << t.x() << ' ' << t.y() << ' ' << t.z() << ' ' << q.x() << ' '
+                  << q.y() << ' ' << q.z() << ' ' << q.w() << '\n';
   }
   file.commit();
 }

@@ -20,7 +20,8 @@ cv::Mat1f random_descriptors(int count, int dimension, unsigned seed) {
 
 TEST(PackedDescriptors, GivesTheDistancesOfTheDefinition) {
   // Sizes around the kernel's panels of 16 columns and tiles of 6 rows, and beyond a block of 60.
-  for (const auto& [num_queries, num_descriptors, dimension] : {std::array{1, 1, 1}, {5, 15, 7}, {6, 16, 128}, {61, 33, 64}, {128, 100, 61}}) {
+  for (const auto& [num_queries, num_descriptors, dimension] :
+       {std::array{1, 1, 1}, {5, 15, 7}, {6, 16, 128}, {61, 33, 64}, {128, 100, 61}}) {
     const cv::Mat1f queries = random_descriptors(num_queries, dimension, 1);
     const cv::Mat1f descriptors = random_descriptors(num_descriptors, dimension, 2);
     const cv::Mat1f distances = PackedDescriptors(descriptors).squared_distances(queries);
