@@ -18,8 +18,8 @@ double direction_error_deg(const Pose& a, const Pose& b) { return deg_from_rad(a
 constexpr double kExactDeg = 1e-4;
 
 TEST(RelativePose, IsExactOnNoiselessData) {
-  for (std::uint64_t seed = 0; seed < 50; ++seed) {
-    const TwoViews world = make_two_views({.seed = seed});
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const TwoViews world = make_two_views({.num_points = 100, .seed = seed});
     const auto found = estimate_relative_pose(world.pairs, {.seed = seed});
     ASSERT_TRUE(found.has_value()) << "seed " << seed;
     EXPECT_LT(rotation_error_deg(found->match_from_query, world.match_from_query), kExactDeg) << "seed " << seed;
@@ -71,7 +71,7 @@ TEST(RelativePose, InformationPredictsTheScatter) {
   // Mean squared rotation error against what the information says, over many draws of the noise.
   double squared_error = 0;
   double predicted = 0;
-  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+  for (std::uint64_t seed = 0; seed < 50; ++seed) {
     const TwoViews world = make_two_views({.noise_px = 1, .seed = seed});
     const auto found = refine_relative_pose(world.pairs, world.match_from_query, {.max_error_rad = 0.02});
     ASSERT_TRUE(found.has_value());
@@ -79,7 +79,7 @@ TEST(RelativePose, InformationPredictsTheScatter) {
     squared_error += error * error;
     predicted += found->information.inverse().topLeftCorner<3, 3>().trace();
   }
-  // 100 draws of three degrees of freedom scatter by about 10 %; a factor of 1.5 is far outside.
+  // 50 draws of three degrees of freedom scatter by about 12 %; a factor of 1.5 is far outside.
   EXPECT_LT(squared_error / predicted, 1.5);
   EXPECT_GT(squared_error / predicted, 1 / 1.5);
 }

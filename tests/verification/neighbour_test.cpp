@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "verification/neighbour.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/verification/two_view_world.h"
+
+namespace fabloop {
+namespace {
+
+using testing_support::make_two_views;
+using testing_support::TwoViews;
+
+/// The truth, off by a rotation about the view's axis.
+Pose turned(const Pose& truth, double degrees) {
+  return {truth.rotation * rotation_from_vector({0, 0, rad_from_deg(degrees)}), truth.translation};
+}
+
+/// The truth with its direction turned about the view's axis.
+Pose with_direction_turned(const Pose& truth, double degrees) {
+  return {truth.rotation, rotation_from_vector({0, 0, rad_from_deg(degrees)}) * truth.translation};
+}
+
+TEST(Neighbours, GetPointsWithMetricDepth) {
+  TwoViews world = make_two_views({.with_points = true});
+  const std::vector<std::optional<Eigen::Vector3d>> truth = world.match.points_in_camera;
+  world.match = make_view(world.match.frame, world.match.camera, world.match.features);
+  const auto link = link_neighbours(world.match, world.query, world.match_from_query);
+  ASSERT_TRUE(link.has_value());
+  EXPECT_EQ(link->previous, world.match.frame);
+  EXPECT_LT((link->previous_from_current.translation - world.match_from_query.translation).norm(), 1e-4);
+  EXPECT_GT(link->num_points, 150);  // of 200; the others have too little parallax
+  EXPECT_EQ(count_points(world.match), static_cast<std::size_t>(link->num_points));
+  EXPECT_EQ(count_points(world.query), static_cast<std::size_t>(link->num_points));
+  // Keypoints are floats: 3e-5 px over 500 px, 14 m away under 1 degree of parallax at least.
+  constexpr double kExactM = 5e-3;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const auto& in_match = world.match.points_in_camera[i];
+    const auto& in_query = world.query.points_in_camera[i];
+    EXPECT_EQ(in_match.has_value(), in_query.has_value());
+    if (!in_match || !in_query) continue;
+    EXPECT_LT((*in_match - *truth[i]).norm(), kExactM);
+    EXPECT_LT((world.match_from_query * *in_query - *truth[i]).norm(), kExactM);
+  }
+}
+
+TEST(Neighbours, TheOdometrysLengthIsTheUnit) {
+  TwoViews world = make_two_views({.with_points = true});
+  const std::vector<std::optional<Eigen::Vector3d>> truth = world.match.points_in_camera;
+  world.match = make_view(world.match.frame, world.match.camera, world.match.features);
+  const Pose doubled{world.match_from_query.rotation, 2 * world.match_from_query.translation};
+  ASSERT_TRUE(link_neighbours(world.match, world.query, doubled).has_value());
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const auto& point = world.match.points_in_camera[i];
+    if (!point) continue;
+    EXPECT_LT((*point - 2 * *truth[i]).norm(), 1e-2);
+  }
+}
+
+TEST(Neighbours, TheImagesCorrectTheOdometrysAngles) {
+  TwoViews world = make_two_views({.noise_px = 0.3});
+  const Pose odometry = with_direction_turned(turned(world.match_from_query, 3), 5);
+  const auto link = link_neighbours(world.match, world.query, odometry);
+  ASSERT_TRUE(link.has_value());
+  EXPECT_NEAR(link->rotation_error_deg, 3, 0.3);
+  EXPECT_GT(link->direction_error_deg, 2);
+  EXPECT_LT(deg_from_rad(link->previous_from_current.rotation.angularDistance(world.match_from_query.rotation)), 0.3);
+  EXPECT_NEAR(link->previous_from_current.translation.norm(), odometry.translation.norm(), 1e-9);
+}
+
+TEST(Neighbours, OdometryThatContradictsTheImagesGivesNone) {
+  for (const double degrees : {30.0, 90.0}) {
+    TwoViews world = make_two_views({.noise_px = 0.3});
+    EXPECT_FALSE(link_neighbours(world.match, world.query, turned(world.match_from_query, degrees)).has_value());
+    EXPECT_EQ(count_points(world.match) + count_points(world.query), 0U);
+  }
+  TwoViews world = make_two_views({.noise_px = 0.3});
+  const Pose backwards{world.match_from_query.rotation, -world.match_from_query.translation};
+  EXPECT_FALSE(link_neighbours(world.match, world.query, backwards).has_value());
+}
+
+TEST(Neighbours, WithoutParallaxThereIsNone) {
+  TwoViews world = make_two_views({.noise_px = 0.3, .baseline = 0.02});
+  EXPECT_FALSE(link_neighbours(world.match, world.query, world.match_from_query).has_value());
+  EXPECT_EQ(count_points(world.match) + count_points(world.query), 0U);
+}
+
+TEST(Neighbours, AStandstillGivesNone) {
+  TwoViews world = make_two_views({});
+  EXPECT_FALSE(link_neighbours(world.match, world.query, {}).has_value());
+}
+
+TEST(Neighbours, FewSharedFeaturesGiveNone) {
+  TwoViews world = make_two_views({.num_points = 20});
+  EXPECT_FALSE(link_neighbours(world.match, world.query, world.match_from_query).has_value());
+}
+
+TEST(Neighbours, InformationSaysNothingOfTheLength) {
+  TwoViews world = make_two_views({.noise_px = 0.3});
+  const auto link = link_neighbours(world.match, world.query, world.match_from_query);
+  ASSERT_TRUE(link.has_value());
+  const Eigen::Vector3d along = link->previous_from_current.rotation.conjugate() * link->previous_from_current.translation;
+  const Eigen::Matrix3d information = link->information.topLeftCorner<3, 3>();
+  EXPECT_GT(information.trace(), 0);
+  EXPECT_LT((information * along.normalized()).norm(), 1e-9 * information.trace());
+}
+
+}  // namespace
+}  // namespace fabloop
