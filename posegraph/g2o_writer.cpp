@@ -74,6 +74,7 @@ void write_header(std::ostream& out, const PoseGraph& graph) {
 }  // namespace
 
 void write_g2o(const std::filesystem::path& path, const PoseGraph& graph) {
+  check(graph);
   OutputFile file(path);
   std::ostream& out = file.stream();
   write_header(out, graph);

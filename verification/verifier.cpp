@@ -27,11 +27,20 @@ std::vector<RayPair> ray_pairs(const View& query, const View& match, const std::
   return pairs;
 }
 
-/// Share of an image inside the convex hull of some of its keypoints.
+/// Share of an image inside the convex hull of some of its keypoints. The tenth furthest from their middle is left out: a few
+/// accidental inliers must not widen it.
 template <typename Index>
 double hull_share(const View& view, const std::vector<Match>& inliers, Index index) {
   std::vector<cv::Point2f> points;
   for (const Match& inlier : inliers) points.push_back(view.features.keypoints[static_cast<std::size_t>(inlier.*index)].pt);
+  const auto middle = points.begin() + static_cast<std::ptrdiff_t>(points.size() / 2);
+  std::nth_element(points.begin(), middle, points.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
+  const float x = middle->x;
+  std::nth_element(points.begin(), middle, points.end(), [](const auto& a, const auto& b) { return a.y < b.y; });
+  const cv::Point2f centre(x, middle->y);
+  std::sort(points.begin(), points.end(),
+            [&](const auto& a, const auto& b) { return cv::norm(a - centre) < cv::norm(b - centre); });
+  points.resize(points.size() - points.size() / 10);
   std::vector<cv::Point2f> hull;
   cv::convexHull(points, hull);
   return cv::contourArea(hull) / (static_cast<double>(view.camera.width) * view.camera.height);

@@ -18,8 +18,9 @@ std::string text_of(const std::filesystem::path& path) {
 
 std::string between(const std::string& text, const std::string& begin, const std::string& end) {
   const std::size_t from = text.find(begin);
-  const std::size_t to = text.find(end, from);
-  return from == std::string::npos || to == std::string::npos ? "" : text.substr(from + begin.size(), to - from - begin.size());
+  if (from == std::string::npos) return "";
+  const std::size_t to = text.find(end, from + begin.size());
+  return to == std::string::npos ? "" : text.substr(from + begin.size(), to - from - begin.size());
 }
 
 TEST(Readme, ShowsTheExampleThatIsCompiled) {

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "frontend/fabmap/model.h"
+#include "frontend/features/features.h"
+#include "frontend/geometry/pose.h"
+
+namespace fabloop::testing_support {
+
+struct WalkOptions {
+  int num_landmarks = 4000;
+  std::size_t num_frames = 36;  ///< Of one lap.
+  std::size_t num_again = 6;    ///< The first frames of the lap once more, from a little aside.
+  double noise_px = 0.3;
+  std::uint64_t seed = 1;
+};
+
+/// A walk round a circle above random landmarks, each with a descriptor of its own, whose start is seen again at its end.
+struct Walk {
+  std::vector<Pose> world_from_camera;
+  std::vector<Features> features;  ///< One a frame.
+  Model model;                     ///< Its words were trained on the walk itself.
+};
+
+Walk make_walk(const WalkOptions& options = {});
+
+}  // namespace fabloop::testing_support
