@@ -6,131 +6,142 @@
 namespace fabloop {
 namespace {
 
-constexpr auto kUnseen = static_cast<std::size_t>(WordState::Unseen);
+constexpr std::size_t kCapacity = PostingBlock::kCapacity;
+
+PostingBlock::Position position(PlaceId place) { return static_cast<PostingBlock::Position>(place % kCapacity); }
+
+/// WordTerms::change_of_gain of one word after another by VisitCounts, each computed once: a map has fewer counts than places.
+class ChangesByCounts {
+ public:
+  ChangesByCounts(const WordTerms& terms, const VisitCounts& counts)
+      : terms_(terms), counts_(counts), value_(counts.size()), word_of_value_(counts.size(), 0) {}
+
+  void next_word(const AffectedWord& word) {
+    word_ = word;
+    ++number_;
+  }
+  double operator()(std::uint32_t id) {
+    if (word_of_value_[id] != number_) {
+      word_of_value_[id] = number_;
+      value_[id] = terms_.change_of_gain(word_, counts_[id]);
+    }
+    return value_[id];
+  }
+
+ private:
+  const WordTerms& terms_;
+  const VisitCounts& counts_;
+  AffectedWord word_{};
+  std::uint32_t number_ = 0;  ///< Of the word, from one.
+  std::vector<double> value_;
+  std::vector<std::uint32_t> word_of_value_;
+};
 
 }  // namespace
 
-InvertedIndex::InvertedIndex(const ObservationModel& model) {
-  const std::size_t num_words = model.tree.num_words();
-  children_.resize(num_words);
-  gain_once_.resize(num_words);
-  seen_once_.resize(num_words);
-  seen_.resize(num_words);
-  for (WordId word = 0; word < num_words; ++word) {
-    if (const auto parent = model.tree.nodes[word].parent) children_[*parent].push_back(word);
-    gain_once_[word] = gain(model, word, 1, 1);
+void InvertedIndex::add_place(const WordTerms& terms, VisitCounts& counts, const Observation& observation) {
+  if (gain_once_.empty()) {
+    const Counts once = counts[VisitCounts::kOnce];
+    for (WordId word = 0; word < terms.num_words(); ++word) gain_once_.push_back(terms.gain(word, once));
   }
-  for (const std::uint32_t visits : {0u, 1u}) defaults_.emplace(visits, make_defaults(model, visits));
-}
-
-InvertedIndex::Defaults InvertedIndex::make_defaults(const ObservationModel& model, std::uint32_t visits) {
-  Defaults defaults;
-  defaults.change.resize(model.tree.num_words());
-  for (WordId word = 0; word < defaults.change.size(); ++word) {
-    StateValues values = log_p_word(model, word, visits, 0);
-    const double unseen = values[kUnseen];
-    defaults.nothing_seen += unseen;
-    for (double& value : values) value -= unseen;
-    defaults.change[word] = values;
+  if (blocks_.empty() || blocks_.back().num_places() == kCapacity) {
+    if (!blocks_.empty()) blocks_.back().seal();
+    blocks_.emplace_back(terms.num_words());
   }
-  return defaults;
+  blocks_.back().add_place(observation.words);
+  visits_.push_back(1);
+  count_place(terms, 1);
+  double nothing_seen = 0.0;
+  for (const WordId word : observation.words) nothing_seen += gain_once_[word];
+  nothing_seen_.push_back(nothing_seen);
 }
 
-/// log p of the word in each state at a place where it was seen, less that at a place where it never was.
-InvertedIndex::StateValues InvertedIndex::gain(const ObservationModel& model, WordId word, std::uint32_t visits,
-                                               std::uint32_t detections) {
-  StateValues values = log_p_word(model, word, visits, detections);
-  const StateValues never_seen = log_p_word(model, word, visits, 0);
-  for (std::size_t i = 0; i < values.size(); ++i) values[i] -= never_seen[i];
-  return values;
-}
-
-void InvertedIndex::add_place(const ObservationModel& model, const PlaceModel& place) {
-  visits_.push_back(0);
-  nothing_seen_.push_back(0.0);
-  insert(model, static_cast<PlaceId>(visits_.size() - 1), place);
-}
-
-void InvertedIndex::add_visit(const ObservationModel& model, PlaceId id, const PlaceModel& before, const PlaceModel& after) {
-  for (const WordId word : before.words) {
-    if (before.visits == 1) {
-      auto& places = seen_once_[word];
-      places.erase(std::lower_bound(places.begin(), places.end(), id));
-    } else {
-      auto& postings = seen_[word];
-      postings.erase(std::lower_bound(postings.begin(), postings.end(), id,
-                                      [](const Posting& posting, PlaceId place) { return posting.place < place; }));
-    }
+void InvertedIndex::add_visit(const WordTerms& terms, VisitCounts& counts, PlaceId id, const PlaceModel& before,
+                              const PlaceModel& after) {
+  PostingBlock& block = blocks_[id / kCapacity];
+  if (before.visits == 1) block.remove_once(position(id), before.words);
+  visits_[id] = after.visits;
+  double nothing_seen = 0.0;
+  for (std::size_t i = 0; i < after.words.size(); ++i) {
+    const std::uint32_t counts_id = counts.id(after.visits, after.detections[i]);
+    block.set_revisited(position(id), after.words[i], counts_id);
+    nothing_seen += terms.gain(after.words[i], counts[counts_id]);
   }
-  insert(model, id, after);
+  nothing_seen_[id] = nothing_seen;
+  if (--by_visits_.at(before.visits).num_places == 0) by_visits_.erase(before.visits);
+  count_place(terms, after.visits);
 }
 
-void InvertedIndex::insert(const ObservationModel& model, PlaceId id, const PlaceModel& place) {
-  if (!defaults_.contains(place.visits)) defaults_.emplace(place.visits, make_defaults(model, place.visits));
-  visits_[id] = place.visits;
-  nothing_seen_[id] = 0.0;
-  for (std::size_t i = 0; i < place.words.size(); ++i) {
-    const WordId word = place.words[i];
-    if (place.visits == 1) {
-      auto& places = seen_once_[word];
-      places.insert(std::lower_bound(places.begin(), places.end(), id), id);
-      nothing_seen_[id] += gain_once_[word][kUnseen];
-    } else {
-      auto& postings = seen_[word];
-      const auto at = std::lower_bound(postings.begin(), postings.end(), id,
-                                       [](const Posting& posting, PlaceId other) { return posting.place < other; });
-      postings.insert(at, {id, place.detections[i]});
-      nothing_seen_[id] += gain(model, word, place.visits, place.detections[i])[kUnseen];
-    }
+void InvertedIndex::count_place(const WordTerms& terms, std::uint32_t visits) {
+  PlacesAlike& places = by_visits_[visits];
+  if (places.num_places++ == 0) {
+    places.nothing_seen_where_never_seen = terms.nothing_seen_where_never_seen(presence_factor(terms.detector(), visits, 0));
   }
 }
 
-std::vector<InvertedIndex::Affected> InvertedIndex::affected_words(const Observation& observation) const {
-  std::vector<Affected> affected;
-  const auto is_seen = [&](WordId word) { return std::binary_search(observation.words.begin(), observation.words.end(), word); };
-  std::vector<WordId> seen_with_parent;
-  for (const WordId word : observation.words) {
-    for (const WordId child : children_[word]) {
-      const bool child_seen = is_seen(child);
-      if (child_seen) seen_with_parent.push_back(child);
-      const auto state = child_seen ? WordState::SeenWithParent : WordState::UnseenParentSeen;
-      affected.push_back({child, static_cast<std::size_t>(state)});
-    }
-  }
-  std::sort(seen_with_parent.begin(), seen_with_parent.end());
-  for (const WordId word : observation.words) {
-    if (std::binary_search(seen_with_parent.begin(), seen_with_parent.end(), word)) continue;
-    affected.push_back({word, static_cast<std::size_t>(WordState::SeenParentUnseen)});
-  }
-  return affected;
-}
-
-double InvertedIndex::likelihood_where_never_seen(const Defaults& defaults, const std::vector<Affected>& affected) {
-  double result = defaults.nothing_seen;
-  for (const auto& [word, state] : affected) result += defaults.change[word][state];
-  return result;
-}
-
-std::vector<double> InvertedIndex::log_likelihoods(const ObservationModel& model, const Observation& observation) const {
-  const std::vector<Affected> affected = affected_words(observation);
-  std::vector<double> default_by_visits(defaults_.rbegin()->first + 1, 0.0);
-  for (const auto& [visits, defaults] : defaults_) default_by_visits[visits] = likelihood_where_never_seen(defaults, affected);
-
+std::vector<double> InvertedIndex::log_likelihoods(const WordTerms& terms, const VisitCounts& counts,
+                                                   const Observation& observation) const {
+  const Query query = prepare(terms, counts, observation);
   std::vector<double> result(visits_.size());
-  for (std::size_t i = 0; i < result.size(); ++i) result[i] = default_by_visits[visits_[i]] + nothing_seen_[i];
-  for (const auto& [word, state] : affected) {
-    const double once = gain_once_[word][state] - gain_once_[word][kUnseen];
-    for (const PlaceId place : seen_once_[word]) result[place] += once;
-    for (const auto& [place, detections] : seen_[word]) {
-      const StateValues values = gain(model, word, visits_[place], detections);
-      result[place] += values[state] - values[kUnseen];
-    }
+  for (std::size_t block = 0; block < blocks_.size(); ++block) {
+    start_block(query, block, result.data() + block * kCapacity);
+    add_words_to_block(terms, counts, query.words, block, result.data() + block * kCapacity);
   }
   return result;
 }
 
-double InvertedIndex::log_likelihood_unvisited(const Observation& observation) const {
-  return likelihood_where_never_seen(defaults_.at(0), affected_words(observation));
+InvertedIndex::Query InvertedIndex::prepare(const WordTerms& terms, const VisitCounts& counts,
+                                            const Observation& observation) const {
+  Query query;
+  if (visits_.empty()) return query;
+  const Counts once = counts[VisitCounts::kOnce];
+  for (const AffectedWord& affected : terms.affected_words(observation)) {
+    query.words.push_back({affected, terms.change_of_gain(affected, once)});
+  }
+  for (const auto& [visits, places] : by_visits_) {
+    double sum = places.nothing_seen_where_never_seen;
+    const double factor = presence_factor(terms.detector(), visits, 0);
+    for (const QueryWord& word : query.words) sum += terms.change_where_never_seen(word.affected, factor);
+    query.where_never_seen[visits] = sum;
+  }
+  return query;
+}
+
+std::vector<double> InvertedIndex::start(const Query& query) const {
+  std::vector<double> result(visits_.size());
+  for (std::size_t block = 0; block < blocks_.size(); ++block) start_block(query, block, result.data() + block * kCapacity);
+  return result;
+}
+
+void InvertedIndex::add_words(const WordTerms& terms, const VisitCounts& counts, std::span<const QueryWord> words,
+                              std::vector<double>& log_likelihood) const {
+  for (std::size_t block = 0; block < blocks_.size(); ++block) {
+    add_words_to_block(terms, counts, words, block, log_likelihood.data() + block * kCapacity);
+  }
+}
+
+void InvertedIndex::start_block(const Query& query, std::size_t block, double* log_likelihood) const {
+  const std::size_t first = block * kCapacity;
+  std::uint32_t visits = visits_[first];
+  double where_never_seen = query.where_never_seen.at(visits);
+  for (std::size_t i = 0; i < blocks_[block].num_places(); ++i) {
+    if (visits_[first + i] != visits) where_never_seen = query.where_never_seen.at(visits = visits_[first + i]);
+    log_likelihood[i] = where_never_seen + nothing_seen_[first + i];
+  }
+}
+
+void InvertedIndex::add_words_to_block(const WordTerms& terms, const VisitCounts& counts, std::span<const QueryWord> words,
+                                       std::size_t block, double* log_likelihood) const {
+  for (const QueryWord& word : words) {
+    for (const auto place : blocks_[block].once(word.affected.word)) log_likelihood[place] += word.change_once;
+  }
+  if (!blocks_[block].has_revisited()) return;
+  ChangesByCounts changes(terms, counts);
+  for (const QueryWord& word : words) {
+    const PostingBlock::Revisited& list = blocks_[block].revisited(word.affected.word);
+    changes.next_word(word.affected);
+    for (std::size_t i = 0; i < list.places.size(); ++i) log_likelihood[list.places[i]] += changes(list.counts[i]);
+  }
 }
 
 }  // namespace fabloop
