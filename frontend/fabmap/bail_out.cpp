@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 #include <utility>
 
 #include "frontend/error.h"
@@ -110,7 +109,7 @@ Remainder remainder_of(const WordTerms& terms, const InvertedIndex::Query& query
     const WordMoments moments(terms, visits);
     double variance = 0.0, range = 0.0;
     for (std::size_t i = num_words; i-- > 0;) {
-      const Moments word = moments(query.words[i].affected);
+      const Moments word = moments(query.words[i]);
       mean[i] = mean[i + 1] + word.mean;
       rest.variance[i] = std::max(rest.variance[i], variance += word.variance);
       rest.range[i] = std::max(rest.range[i], range = std::max(range, ends * word.range));
@@ -120,30 +119,33 @@ Remainder remainder_of(const WordTerms& terms, const InvertedIndex::Query& query
 }
 
 /// Those that tell places apart best come first.
-void sort_by_variance(const WordTerms& terms, std::vector<InvertedIndex::QueryWord>& words) {
+void sort_by_variance(const WordTerms& terms, InvertedIndex::Query& query) {
   const WordMoments moments(terms, 1);
   std::vector<std::pair<double, std::size_t>> order;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    order.emplace_back(-moments(words[i].affected).variance, i);
-  }
+  for (std::size_t i = 0; i < query.words.size(); ++i) order.emplace_back(-moments(query.words[i]).variance, i);
   std::sort(order.begin(), order.end());
-  std::vector<InvertedIndex::QueryWord> sorted;
-  for (const auto& [variance, i] : order) sorted.push_back(words[i]);
-  words = std::move(sorted);
+  std::vector<AffectedWord> words;
+  std::vector<double> change_once;
+  for (const auto& [variance, i] : order) {
+    words.push_back(query.words[i]);
+    change_once.push_back(query.change_once[i]);
+  }
+  query.words = std::move(words);
+  query.change_once = std::move(change_once);
 }
 
-/// Adds the words not looked at yet to the places that are left.
-void finish(const WordTerms& terms, const PlaceStore& places, std::span<const InvertedIndex::QueryWord> words,
+/// Adds the words from `first` on to the places that are left.
+void finish(const WordTerms& terms, const PlaceStore& places, const InvertedIndex::Query& query, std::size_t first,
             const std::vector<PlaceId>& kept, std::vector<double>& result) {
-  std::vector<const InvertedIndex::QueryWord*> by_word(terms.num_words(), nullptr);
-  for (const InvertedIndex::QueryWord& word : words) by_word[word.affected.word] = &word;
+  std::vector<std::size_t> position(terms.num_words(), 0);  // of the word in the query, counted from one
+  for (std::size_t i = first; i < query.words.size(); ++i) position[query.words[i].word] = i + 1;
   for (const PlaceId place : kept) {
     const std::uint32_t visits = places.visits(place);
     places.for_each_word(place, [&](WordId word, std::uint32_t detections) {
-      if (!by_word[word]) return;
-      result[place] += visits == 1
-                           ? by_word[word]->change_once
-                           : terms.change_of_gain(by_word[word]->affected, counts_of(terms.detector(), visits, detections));
+      if (position[word] == 0) return;
+      const std::size_t i = position[word] - 1;
+      result[place] += visits == 1 ? query.change_once[i]
+                                   : terms.change_of_gain(query.words[i], counts_of(terms.detector(), visits, detections));
     });
   }
 }
@@ -172,23 +174,23 @@ BailOutResult log_likelihoods_with_bail_out(const WordTerms& terms, const VisitC
                                             const InvertedIndex& index, const Observation& observation,
                                             const BailOutOptions& options) {
   InvertedIndex::Query query = index.prepare(terms, counts, observation);
-  sort_by_variance(terms, query.words);
+  sort_by_variance(terms, query);
   const Remainder rest = remainder_of(terms, query);
   BailOutResult result{index.start(query), {}};
   std::vector<double>& sum = result.log_likelihood;
   std::vector<PlaceId> kept(sum.size());
   for (PlaceId place = 0; place < kept.size(); ++place) kept[place] = place;
 
-  const std::span<const InvertedIndex::QueryWord> words = query.words;
+  const std::size_t num_words = query.words.size();
   const double margin = std::log(static_cast<double>(std::max<std::size_t>(1, sum.size())) / options.negligible);
   std::size_t done = 0;
   double lag = 0.0;
   const auto expected = [&](PlaceId place) { return sum[place] + rest.mean[places.visits(place)][done]; };
   // Finishing one place costs about as much as looking up one word in a map of a few thousand places.
   const std::size_t few = 1 + sum.size() / 256;
-  while (done < words.size() && kept.size() > few) {
-    const std::size_t next = std::min(words.size(), done + options.check_every);
-    index.add_words(terms, counts, words.subspan(done, next - done), sum);
+  while (done < num_words && kept.size() > few) {
+    const std::size_t next = std::min(num_words, done + options.check_every);
+    index.add_words(terms, counts, query, done, next, sum);
     done = next;
     // The lag is between two places, both of which the words to come may move.
     lag = bennett_lag(2.0 * rest.variance[done], rest.range[done], std::log(options.p_drop_best), options.solver);
@@ -196,10 +198,10 @@ BailOutResult log_likelihoods_with_bail_out(const WordTerms& terms, const VisitC
     for (const PlaceId place : kept) best = std::max(best, expected(place));
     std::erase_if(kept, [&](PlaceId place) { return expected(place) < best - lag - margin; });
   }
-  if (done == words.size()) return result;
+  if (done == num_words) return result;
   std::vector<double> bounds = sum;
   for (PlaceId place = 0; place < bounds.size(); ++place) bounds[place] = expected(place) + lag;
-  finish(terms, places, words.subspan(done), kept, sum);
+  finish(terms, places, query, done, kept, sum);
   for (PlaceId place = 0, next_kept = 0; place < sum.size(); ++place) {
     if (next_kept < kept.size() && kept[next_kept] == place) {
       ++next_kept;

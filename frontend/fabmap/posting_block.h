@@ -10,53 +10,43 @@
 
 namespace fabloop {
 
-/// For each word, the places that know it, among at most kCapacity neighbouring places. A place is named by its position in the
-/// block, in two bytes. The likelihoods of a block's places fit the second-level cache, so a query goes through a map block by
-/// block. Places visited once are kept apart from the others, since they have one gain for each word.
+/// For each word, the places where it was seen, among at most kCapacity neighbouring places. A place is named by its position in
+/// the block, in two bytes.
 class PostingBlock {
  public:
+  /// The likelihoods of a block fit the second-level cache, so a query goes through a map block by block.
   static constexpr std::size_t kCapacity = 8192;
   using Position = std::uint16_t;
 
-  /// Where a word was seen at places visited several times, ascending, and by which VisitCounts.
-  struct Revisited {
-    std::vector<Position> places;
-    std::vector<std::uint32_t> counts;
-  };
-
   explicit PostingBlock(std::size_t num_words) : open_(num_words) {}
 
-  /// Appends a place visited once. The caller sees to it that there is room.
+  /// Appends a place. The caller sees to it that there is room.
   void add_place(std::span<const WordId> words);
 
   /// Packs the lists tightly, once no place will follow.
   void seal();
 
-  /// The place is no longer one visited once.
-  void remove_once(Position place, std::span<const WordId> words);
-
-  /// Says, or says anew, by which counts a word was seen at a place visited several times.
-  void set_revisited(Position place, WordId word, std::uint32_t counts);
-
   std::size_t num_places() const { return num_places_; }
-  bool has_revisited() const { return !revisited_.empty(); }
 
-  /// Places visited once where the word was seen, ascending.
-  std::span<const Position> once(WordId word) const {
+  /// Places where the word was seen, ascending.
+  std::span<const Position> places(WordId word) const {
     if (!open_.empty()) return open_[word];
-    return {packed_.data() + begin_[word], size_[word]};
+    return {packed_.data() + begin_[word], packed_.data() + begin_[word + 1]};
   }
 
-  /// Only if has_revisited().
-  const Revisited& revisited(WordId word) const { return revisited_[word]; }
+  /// Asks for the memory that places() will read: first for where the list is, then for the list.
+  void prefetch_list_of(WordId word) const {
+    if (open_.empty()) __builtin_prefetch(&begin_[word]);
+  }
+  void prefetch_places(WordId word) const {
+    if (open_.empty()) __builtin_prefetch(packed_.data() + begin_[word]);
+  }
 
  private:
   std::size_t num_places_ = 0;
   std::vector<std::vector<Position>> open_;  ///< For each word, until the block is sealed; then empty.
   std::vector<Position> packed_;             ///< Once it is sealed: the lists, one after another,
-  std::vector<std::uint32_t> begin_;         ///< where each begins,
-  std::vector<std::uint16_t> size_;          ///< and how long it is.
-  std::vector<Revisited> revisited_;         ///< For each word; empty until the first revisit.
+  std::vector<std::uint32_t> begin_;         ///< and where each begins; and the end of the last.
 };
 
 }  // namespace fabloop
