@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <utility>
 
 #include "frontend/error.h"
 #include "frontend/fabmap/nearest_rows.h"
@@ -46,21 +47,29 @@ cv::Mat float_descriptors(const cv::Mat& descriptors) {
   return descriptors.isContinuous() ? descriptors : descriptors.clone();
 }
 
-std::vector<WordId> nearest_words(const Vocabulary& vocabulary, const cv::Mat& descriptors) {
+cv::Mat float_descriptors_for(const Vocabulary& vocabulary, const cv::Mat& descriptors) {
   const cv::Mat points = float_descriptors(descriptors);
-  if (points.empty()) return {};
-  if (points.cols != vocabulary.words.cols) {
+  if (!points.empty() && points.cols != vocabulary.words.cols) {
     throw InputError("the descriptors have " + std::to_string(points.cols) + " numbers and the vocabulary's words " +
                      std::to_string(vocabulary.words.cols) + "; use the features that the model was trained with");
   }
+  return points;
+}
+
+Observation observation_of(std::vector<WordId> words) {
+  std::sort(words.begin(), words.end());
+  words.erase(std::unique(words.begin(), words.end()), words.end());
+  return {std::move(words)};
+}
+
+std::vector<WordId> nearest_words(const Vocabulary& vocabulary, const cv::Mat& descriptors) {
+  const cv::Mat points = float_descriptors_for(vocabulary, descriptors);
+  if (points.empty()) return {};
   return nearest_rows(vocabulary.words, points, 1).row;
 }
 
 Observation observe(const Vocabulary& vocabulary, const cv::Mat& descriptors) {
-  Observation observation{nearest_words(vocabulary, descriptors)};
-  std::sort(observation.words.begin(), observation.words.end());
-  observation.words.erase(std::unique(observation.words.begin(), observation.words.end()), observation.words.end());
-  return observation;
+  return observation_of(nearest_words(vocabulary, descriptors));
 }
 
 void validate(const Vocabulary& vocabulary, const std::string& where) {

@@ -8,6 +8,7 @@ namespace {
 
 /// Eight floats; the compiler uses whatever registers the function's target has.
 using Vector8 = float __attribute__((vector_size(32)));
+using Vector4 = double __attribute__((vector_size(32)));
 using Mask8 = std::int32_t __attribute__((vector_size(32)));
 
 constexpr std::size_t kRows = 6;  ///< With two vectors a row, twelve accumulators: as many as sixteen registers can hold.
@@ -73,9 +74,12 @@ struct Compare {
       if (!is_any(within[r][0] | within[r][1])) continue;
       std::int32_t lanes[kPanelWidth];
       std::memcpy(lanes, within[r], sizeof lanes);
-      for (std::size_t j = 0; j < kPanelWidth; ++j) {
-        if (lanes[j] != 0) hits[(*num_hits)++] = {static_cast<std::uint32_t>(first_row + r), static_cast<std::uint32_t>(j)};
+      std::size_t end = *num_hits;
+      for (std::size_t j = 0; j < kPanelWidth; ++j) {  // Branches would be mispredicted.
+        hits[end] = {static_cast<std::uint32_t>(first_row + r), static_cast<std::uint32_t>(j)};
+        end += static_cast<std::size_t>(lanes[j] & 1);
       }
+      *num_hits = end;
     }
   }
 
@@ -134,9 +138,32 @@ FABLOOP_ALWAYS_INLINE float sum_of_squares(const float* a, const float* b, std::
   return ((all[0] + all[4]) + (all[1] + all[5])) + ((all[2] + all[6]) + (all[3] + all[7])) + rest;
 }
 
+template <std::size_t kVectors>
+FABLOOP_ALWAYS_INLINE void add_centred(const float* row, const double* mean, std::size_t dimension, const double* columns,
+                                       std::size_t num_columns, double* sums) {
+  Vector4 result[kVectors] = {};
+  for (std::size_t d = 0; d < dimension; ++d) {
+    const double value = static_cast<double>(row[d]) - mean[d];
+    for (std::size_t i = 0; i < kVectors; ++i) {
+      Vector4 column;
+      std::memcpy(&column, columns + d * num_columns + i * 4, sizeof column);
+      result[i] += value * column;
+    }
+  }
+  std::memcpy(sums, result, sizeof result);
+}
+
+FABLOOP_ALWAYS_INLINE void all_centred(const float* row, const double* mean, std::size_t dimension, const double* columns,
+                                       std::size_t num_columns, double* sums) {
+  std::size_t first = 0;
+  for (; first + 24 <= num_columns; first += 24) add_centred<6>(row, mean, dimension, columns + first, num_columns, sums + first);
+  for (; first < num_columns; first += 8) add_centred<2>(row, mean, dimension, columns + first, num_columns, sums + first);
+}
+
 struct Kernels {
   void (*store)(const float*, std::size_t, std::size_t, const float*, const Store&);
   void (*compare)(const float*, std::size_t, std::size_t, const float*, const Compare&);
+  void (*centred)(const float*, const double*, std::size_t, const double*, std::size_t, double*);
   float (*squared_distance)(const float*, const float*, std::size_t);
 };
 
@@ -146,6 +173,11 @@ void store_baseline(const float* rows, std::size_t num_rows, std::size_t dimensi
 
 void compare_baseline(const float* rows, std::size_t num_rows, std::size_t dimension, const float* panel, const Compare& result) {
   all_rows(rows, num_rows, dimension, panel, result);
+}
+
+void centred_baseline(const float* row, const double* mean, std::size_t dimension, const double* columns, std::size_t num_columns,
+                      double* sums) {
+  all_centred(row, mean, dimension, columns, num_columns, sums);
 }
 
 float squared_distance_baseline(const float* a, const float* b, std::size_t dimension) { return sum_of_squares(a, b, dimension); }
@@ -163,6 +195,11 @@ FABLOOP_AVX2 void compare_avx2(const float* rows, std::size_t num_rows, std::siz
   all_rows(rows, num_rows, dimension, panel, result);
 }
 
+FABLOOP_AVX2 void centred_avx2(const float* row, const double* mean, std::size_t dimension, const double* columns,
+                               std::size_t num_columns, double* sums) {
+  all_centred(row, mean, dimension, columns, num_columns, sums);
+}
+
 FABLOOP_AVX2 float squared_distance_avx2(const float* a, const float* b, std::size_t dimension) {
   return sum_of_squares(a, b, dimension);
 }
@@ -170,9 +207,10 @@ FABLOOP_AVX2 float squared_distance_avx2(const float* a, const float* b, std::si
 
 Kernels fastest_kernels() {
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return {store_avx2, compare_avx2, squared_distance_avx2};
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+    return {store_avx2, compare_avx2, centred_avx2, squared_distance_avx2};
 #endif
-  return {store_baseline, compare_baseline, squared_distance_baseline};
+  return {store_baseline, compare_baseline, centred_baseline, squared_distance_baseline};
 }
 
 const Kernels& kernels() {
@@ -192,6 +230,11 @@ std::size_t dot_products_within(const float* rows, std::size_t num_rows, std::si
   std::size_t num_hits = 0;
   kernels().compare(rows, num_rows, dimension, panel, {limits, hits, &num_hits});
   return num_hits;
+}
+
+void centred_products(const float* row, const double* mean, std::size_t dimension, const double* columns, std::size_t num_columns,
+                      double* sums) {
+  kernels().centred(row, mean, dimension, columns, num_columns, sums);
 }
 
 float squared_distance(const float* a, const float* b, std::size_t dimension) {

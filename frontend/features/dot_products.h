@@ -25,9 +25,14 @@ struct PanelHit {
 };
 
 /// The entries with rows[r] . panel column <= limits[r]; no others are kept. Returns how many there are; `hits` has room for
-/// num_rows x 16.
+/// num_rows x 16, and one more.
 std::size_t dot_products_within(const float* rows, std::size_t num_rows, std::size_t dimension, const float* panel,
                                 const float* limits, PanelHit* hits);
+
+/// sums[j] = (row - mean) . column j of `columns`, a row-major matrix of dimension x num_columns, in double precision.
+/// num_columns is a multiple of 8.
+void centred_products(const float* row, const double* mean, std::size_t dimension, const double* columns, std::size_t num_columns,
+                      double* sums);
 
 /// The squared Euclidean distance of two rows, from their differences: more exact than from norms and a dot product.
 float squared_distance(const float* a, const float* b, std::size_t dimension);
