@@ -347,10 +347,10 @@ NearestRows RowSearch::nearest(const cv::Mat& points, int num_threads, std::span
   });
 }
 
-NearestRows RowSearch::near(const cv::Mat& points, int num_threads) const {
-  if (cells_.empty()) return nearest(points, num_threads);
-  return in_batches(points, num_threads, [&](Batch& batch, const cv::Mat& some, std::size_t) {
-    start(batch, some, {});
+NearestRows RowSearch::near(const cv::Mat& points, int num_threads, std::span<const std::uint32_t> guesses) const {
+  if (cells_.empty()) return nearest(points, num_threads, guesses);
+  return in_batches(points, num_threads, [&](Batch& batch, const cv::Mat& some, std::size_t begin) {
+    start(batch, some, guesses.empty() ? guesses : guesses.subspan(begin, static_cast<std::size_t>(some.rows)));
     rank_cells(batch);
     visit_nearest_cells(batch);
     visit_other_cells(batch);

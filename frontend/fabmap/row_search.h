@@ -36,9 +36,9 @@ class RowSearch {
   /// point; the nearer it is, the faster the search. `points`: N x D, CV_32F, continuous.
   NearestRows nearest(const cv::Mat& points, int num_threads, std::span<const std::uint32_t> guesses = {}) const;
 
-  /// Looks only into the cells nearest to each point, a tenth of all. Where the rows have no structure that a projection
-  /// could use, it is exhaustive. Depends on neither threads nor the other points.
-  NearestRows near(const cv::Mat& points, int num_threads) const;
+  /// Looks only at the guess and into the cells nearest to each point, a tenth of all. Where the rows have no structure that a
+  /// projection could use, it is exhaustive. Depends on neither threads nor the other points.
+  NearestRows near(const cv::Mat& points, int num_threads, std::span<const std::uint32_t> guesses = {}) const;
 
  private:
   struct Batch;
