@@ -15,6 +15,12 @@ namespace {
 
 double log_or_minus_infinity(double p) { return p > 0.0 ? std::log(p) : -std::numeric_limits<double>::infinity(); }
 
+/// exp(x), without the work where it underflows: that is where most places of a large map are.
+double exp_or_zero(double x) {
+  constexpr double kUnderflow = -746.0;
+  return x < kUnderflow ? 0.0 : std::exp(x);
+}
+
 }  // namespace
 
 Prior uniform_prior(std::size_t num_places, double p_new) {
@@ -35,35 +41,67 @@ Prior without_recent_places(Prior prior, std::size_t num_places) {
   return prior;
 }
 
+Belief without_recent_places(Belief belief, std::size_t num_places) {
+  constexpr double kImpossible = -std::numeric_limits<double>::infinity();
+  const std::size_t kept = belief.log_p_place.size() - std::min(num_places, belief.log_p_place.size());
+  std::fill(belief.log_p_place.begin() + static_cast<std::ptrdiff_t>(kept), belief.log_p_place.end(), kImpossible);
+  // From logarithms, since what is left may have underflowed beside what is ruled out.
+  double highest = belief.log_p_new;
+  for (const double log_p : belief.log_p_place) highest = std::max(highest, log_p);
+  if (!std::isfinite(highest)) highest = belief.log_p_new = 0.0;
+  double sum = exp_or_zero(belief.log_p_new - highest);
+  for (const double log_p : belief.log_p_place) sum += exp_or_zero(log_p - highest);
+  const double log_total = highest + std::log(sum);
+  const auto scale = [&](double& p, double& log_p) { p = exp_or_zero(log_p -= log_total); };
+  scale(belief.p_new, belief.log_p_new);
+  for (std::size_t i = 0; i < belief.p_place.size(); ++i) scale(belief.p_place[i], belief.log_p_place[i]);
+  return belief;
+}
+
+Belief smoothed(Belief belief, double trust) {
+  if (!(trust >= 0.0 && trust <= 1.0)) throw InputError("the trust in a belief is " + std::to_string(trust) + "; give 0 to 1");
+  if (trust == 1.0) return belief;
+  const double share = (1.0 - trust) / static_cast<double>(belief.p_place.size() + 1);
+  const auto mix = [&](double& p, double& log_p) {
+    p = trust * p + share;
+    log_p = std::log(p);
+  };
+  mix(belief.p_new, belief.log_p_new);
+  for (std::size_t i = 0; i < belief.p_place.size(); ++i) mix(belief.p_place[i], belief.log_p_place[i]);
+  return belief;
+}
+
 Belief posterior(const Prior& prior, std::vector<double> log_likelihood, double log_likelihood_new) {
-  if (prior.p_place.size() != log_likelihood.size()) {
-    throw InputError("the prior has " + std::to_string(prior.p_place.size()) + " places and the map " +
+  const std::size_t num_places = prior.p_place.size();
+  if (num_places != log_likelihood.size()) {
+    throw InputError("the prior has " + std::to_string(num_places) + " places and the map " +
                      std::to_string(log_likelihood.size()) + "; make the prior for the map as it is now");
   }
   Belief belief;
   belief.log_likelihood_new = log_likelihood_new;
   belief.log_likelihood = std::move(log_likelihood);
   belief.log_p_new = log_or_minus_infinity(prior.p_new) + belief.log_likelihood_new;
-  belief.log_p_place.resize(prior.p_place.size());
+  belief.log_p_place.resize(num_places);
   double highest = belief.log_p_new;
-  for (std::size_t i = 0; i < prior.p_place.size(); ++i) {
-    belief.log_p_place[i] = log_or_minus_infinity(prior.p_place[i]) + belief.log_likelihood[i];
+  // Most of a map is equally likely beforehand, so that one logarithm serves many places.
+  double p_last = 1.0, log_p_last = 0.0;
+  for (std::size_t i = 0; i < num_places; ++i) {
+    if (prior.p_place[i] != p_last) log_p_last = log_or_minus_infinity(p_last = prior.p_place[i]);
+    belief.log_p_place[i] = log_p_last + belief.log_likelihood[i];
     highest = std::max(highest, belief.log_p_place[i]);
   }
   if (!std::isfinite(highest)) throw InputError("the observation is impossible at every place that the prior allows");
 
-  belief.p_new = std::exp(belief.log_p_new - highest);
-  belief.p_place.resize(prior.p_place.size());
+  belief.p_new = exp_or_zero(belief.log_p_new - highest);
+  belief.p_place.resize(num_places);
   double sum = belief.p_new;
-  for (std::size_t i = 0; i < prior.p_place.size(); ++i) {
-    belief.p_place[i] = std::exp(belief.log_p_place[i] - highest);
-    sum += belief.p_place[i];
-  }
+  for (std::size_t i = 0; i < num_places; ++i) sum += belief.p_place[i] = exp_or_zero(belief.log_p_place[i] - highest);
   const double log_evidence = highest + std::log(sum);
   belief.p_new /= sum;
   belief.log_p_new -= log_evidence;
-  for (std::size_t i = 0; i < prior.p_place.size(); ++i) {
-    belief.p_place[i] /= sum;
+  const double factor = 1.0 / sum;
+  for (std::size_t i = 0; i < num_places; ++i) {
+    belief.p_place[i] *= factor;
     belief.log_p_place[i] -= log_evidence;
   }
   return belief;

@@ -2,16 +2,24 @@
 #include "frontend/fabmap/place_recognizer.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "frontend/error.h"
 #include "frontend/fabmap/model.h"
 #include "frontend/fabmap/sampling.h"
+#include "frontend/names.h"
 
 namespace fabloop {
 namespace {
+
+constexpr std::array<Named<NewPlaceModel>, 3> kNewPlaceNames{
+    {{NewPlaceModel::MeanField, "mean-field"}, {NewPlaceModel::Sampled, "sampled"}, {NewPlaceModel::None, "off"}}};
+constexpr std::array<Named<LikelihoodEngine>, 2> kEngineNames{
+    {{LikelihoodEngine::Exact, "exact"}, {LikelihoodEngine::InvertedIndex, "index"}}};
 
 ObservationModel validated(ChowLiuTree tree, const DetectorModel& detector) {
   validate(tree, "Chow-Liu tree");
@@ -49,6 +57,11 @@ PlaceRecognizer::PlaceRecognizer(const Model& model, const PlaceRecognizerOption
     : PlaceRecognizer(model.tree, model.detector, model.background, options) {}
 
 Belief PlaceRecognizer::recognize(const Observation& observation, const Prior& prior) const {
+  if (prior.p_place.empty() && num_places() == 0) {
+    Belief nowhere;
+    if (options_.new_place != NewPlaceModel::None) nowhere.log_likelihood_new = log_likelihood_new_place(observation);
+    return nowhere;
+  }
   return posterior(prior, log_likelihoods(observation), log_likelihood_new_place(observation));
 }
 
@@ -61,6 +74,7 @@ std::vector<double> PlaceRecognizer::log_likelihoods(const Observation& observat
 }
 
 double PlaceRecognizer::log_likelihood_new_place(const Observation& observation) const {
+  if (options_.new_place == NewPlaceModel::None) return -std::numeric_limits<double>::infinity();
   if (options_.new_place == NewPlaceModel::Sampled) return log_mean_exp(log_likelihoods(samples_, sample_index_, observation));
   if (options_.engine == LikelihoodEngine::Exact) return log_likelihood(model_, PlaceModel{}, observation);
   validate(observation, model_.tree.num_words());
@@ -91,5 +105,13 @@ void PlaceRecognizer::add_visit(PlaceId place, const Observation& observation) {
   fabloop::add_visit(places_[place], observation);
   index_.add_visit(model_, place, before, places_[place]);
 }
+
+std::string_view to_string(NewPlaceModel new_place) { return name_of(kNewPlaceNames, new_place); }
+
+std::optional<NewPlaceModel> new_place_model_from_string(std::string_view name) { return named(kNewPlaceNames, name); }
+
+std::string_view to_string(LikelihoodEngine engine) { return name_of(kEngineNames, engine); }
+
+std::optional<LikelihoodEngine> likelihood_engine_from_string(std::string_view name) { return named(kEngineNames, name); }
 
 }  // namespace fabloop

@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <string_view>
 #include <vector>
 
 #include "frontend/fabmap/belief.h"
@@ -28,7 +30,16 @@ enum class NewPlaceModel {
   MeanField,  ///< The average place (Glover et al. 2012, eq. 7). Needs nothing but the tree.
   Sampled,    ///< The mean over places seen in training (Glover et al. 2012, eq. 6). They must not be the places that are now
               ///< visited.
+  None,       ///< The camera is at one of the places: localisation in a known map, or in time (Glover et al. 2012, section IV-D).
 };
+
+/// "mean-field", "sampled", "off": the names used in options and files.
+std::string_view to_string(NewPlaceModel new_place);
+std::optional<NewPlaceModel> new_place_model_from_string(std::string_view name);
+
+/// "exact", "index": likewise.
+std::string_view to_string(LikelihoodEngine engine);
+std::optional<LikelihoodEngine> likelihood_engine_from_string(std::string_view name);
 
 struct PlaceRecognizerOptions {
   LikelihoodEngine engine = LikelihoodEngine::InvertedIndex;
@@ -49,7 +60,8 @@ class PlaceRecognizer {
   explicit PlaceRecognizer(const Model& model, const PlaceRecognizerOptions& options = {});
 
   /// Where `observation` was made. `prior` is over the places there are now (see uniform_prior, MotionModel). Throws
-  /// InputError when its size is another, or when the observation names a word that the tree does not have.
+  /// InputError when its size is another, or when the observation names a word that the tree does not have. With
+  /// NewPlaceModel::None the prior's p_new counts for nothing and p_new is zero, unless there is no place at all.
   Belief recognize(const Observation& observation, const Prior& prior) const;
 
   /// The same with uniform_prior(num_places()).
@@ -58,7 +70,7 @@ class PlaceRecognizer {
   /// log p(Z | L) of each place.
   std::vector<double> log_likelihoods(const Observation& observation) const;
 
-  /// log p(Z | a place that is not in the map).
+  /// log p(Z | a place that is not in the map); minus infinity with NewPlaceModel::None.
   double log_likelihood_new_place(const Observation& observation) const;
 
   /// A place that was never visited before.

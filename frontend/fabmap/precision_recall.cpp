@@ -17,19 +17,6 @@ struct JudgedQuery {
   std::vector<Decision> decisions;  ///< The matches that are judged, the best first.
 };
 
-MatchTruth judge_place(const GroundTruth& truth, std::size_t query, const std::vector<std::size_t>& frames) {
-  MatchTruth result = MatchTruth::False;
-  bool is_empty = true;
-  for (const std::size_t frame : frames) {
-    if (truth.within_one_sequence && frame >= query) break;
-    is_empty = false;
-    const MatchTruth match = truth.at(query, frame);
-    if (match == MatchTruth::True) return match;
-    if (match == MatchTruth::NotJudged) result = match;
-  }
-  return is_empty ? MatchTruth::NotJudged : result;
-}
-
 void require_frames(const std::vector<ScoredQuery>& queries, const PlaceFrames& places, const GroundTruth& truth) {
   const auto require = [](std::size_t frame, std::size_t num_frames, const char* what) {
     if (frame < num_frames) return;
@@ -117,6 +104,19 @@ PrecisionRecallCurve precision_recall_curve(std::vector<Decision> decisions, std
     throw InputError(std::to_string(num_true) + " answers are true, but only " + std::to_string(num_positives) + " could be");
   }
   return curve;
+}
+
+MatchTruth judge_place(const GroundTruth& truth, std::size_t query, const std::vector<std::size_t>& frames) {
+  MatchTruth result = MatchTruth::False;
+  bool is_empty = true;
+  for (const std::size_t frame : frames) {
+    if (truth.within_one_sequence && frame >= query) break;
+    is_empty = false;
+    const MatchTruth match = truth.at(query, frame);
+    if (match == MatchTruth::True) return match;
+    if (match == MatchTruth::NotJudged) result = match;
+  }
+  return is_empty ? MatchTruth::NotJudged : result;
 }
 
 PrecisionRecall evaluate_recognition(const std::vector<ScoredQuery>& queries, const PlaceFrames& places, const GroundTruth& truth,

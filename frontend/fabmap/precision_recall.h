@@ -85,6 +85,9 @@ struct PrecisionRecall {
   std::string recipe;
 };
 
+/// The truth of a place. Frames must be within the truth's numbers.
+MatchTruth judge_place(const GroundTruth& truth, std::size_t query, const std::vector<std::size_t>& frames);
+
 /// Judges scored matches. A place is a true match when one of its frames is, and is passed over when none is and one is not
 /// judged. Within one sequence only frames before the query count. Throws InputError for frames that the truth does not have and
 /// for scores that are not numbers.

@@ -98,5 +98,58 @@ TEST(Prior, LeavesOutRecentPlaces) {
   EXPECT_EQ(without_recent_places(uniform_prior(2), 5).p_new, 1.0);
 }
 
+Belief random_belief(std::size_t num_places, std::mt19937_64& generator) {
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  std::vector<double> log_likelihood;
+  for (std::size_t i = 0; i < num_places; ++i) log_likelihood.push_back(5.0 * unit(generator));
+  return posterior(uniform_prior(num_places), log_likelihood, 5.0 * unit(generator));
+}
+
+TEST(MotionModel, TheGraphOfARouteIsTheRoute) {
+  std::mt19937_64 generator(1);
+  for (std::size_t num_places = 1; num_places < 12; ++num_places) {
+    const MotionModel motion = {0.2, 0.3, num_places % 4, 0.8};
+    const Belief belief = random_belief(num_places, generator);
+    for (const std::size_t now : {num_places, num_places + 1}) {
+      const Prior by_route = predict(motion, belief, now);
+      const Prior by_graph = predict(motion, belief, route(now));
+      EXPECT_NEAR(by_graph.p_new, by_route.p_new, kRounding);
+      for (std::size_t i = 0; i < now; ++i) EXPECT_NEAR(by_graph.p_place[i], by_route.p_place[i], kRounding);
+    }
+  }
+}
+
+TEST(MotionModel, FollowsTheLinksOfAGraph) {
+  // A crossing: from place 0 to 1 or 2; both lead to 3, which leads back to 0.
+  PlaceGraph graph;
+  for (const auto& [from, to] : std::vector<std::pair<PlaceId, PlaceId>>{{0, 1}, {0, 2}, {1, 3}, {2, 3}, {3, 0}})
+    link(graph, from, to);
+  Belief at_crossing;
+  at_crossing.p_new = 0.0;
+  at_crossing.p_place = {1.0, 0.0, 0.0, 0.0};
+  const Prior forward = predict({0.0, 0.0, 2, 1.0}, at_crossing, graph);
+  // A fifth each: staying; four fifths go on, half of them by one link, half by two.
+  EXPECT_NEAR(forward.p_place[0], 0.2, kRounding);
+  EXPECT_NEAR(forward.p_place[1], 0.2, kRounding);
+  EXPECT_NEAR(forward.p_place[2], 0.2, kRounding);
+  EXPECT_NEAR(forward.p_place[3], 0.4, kRounding);
+  EXPECT_NEAR(forward.p_new, 0.0, kRounding);
+  const Prior backward = predict({0.0, 0.0, 1, 0.0}, at_crossing, graph);
+  EXPECT_NEAR(backward.p_place[3], 2.0 / 3.0, kRounding);
+}
+
+TEST(MotionModel, LeavesTheGraphWhereNoLinkGoesOn) {
+  PlaceGraph graph;
+  link(graph, 0, 1);
+  Belief at_end;
+  at_end.p_new = 0.0;
+  at_end.p_place = {0.0, 1.0};
+  const Prior prior = predict({0.0, 0.0, 1, 1.0}, at_end, graph);
+  EXPECT_NEAR(prior.p_place[1], 1.0 / 3.0, kRounding);
+  EXPECT_NEAR(prior.p_new, 2.0 / 3.0, kRounding);
+  graph.next[1].push_back(7);
+  EXPECT_THROW(predict({}, at_end, graph), InputError);
+}
+
 }  // namespace
 }  // namespace fabloop
