@@ -51,4 +51,8 @@ Features extract_panorama(const FeatureExtractor& extractor, const cv::Mat& gray
   return features;
 }
 
+Features extract(const FeatureExtractor& extractor, const cv::Mat& gray, ImageShape shape) {
+  return shape == ImageShape::Panorama ? extract_panorama(extractor, gray) : extractor.extract(gray);
+}
+
 }  // namespace fabloop

@@ -12,4 +12,13 @@ namespace fabloop {
 /// dropped, since it is found on the other side. Otherwise as FeatureExtractor::extract.
 Features extract_panorama(const FeatureExtractor& extractor, const cv::Mat& gray);
 
+/// Whether an image ends at its left and right edges.
+enum class ImageShape {
+  Plain,
+  Panorama,  ///< 360 degrees: the edges are neighbours.
+};
+
+/// The features of a grey image of that shape.
+Features extract(const FeatureExtractor& extractor, const cv::Mat& gray, ImageShape shape);
+
 }  // namespace fabloop

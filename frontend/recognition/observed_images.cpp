@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "frontend/error.h"
-#include "frontend/features/panorama.h"
 #include "frontend/parallel.h"
 
 namespace fabloop {
@@ -25,7 +24,7 @@ double seconds_between(Clock::time_point start, Clock::time_point end) {
 ObservedImage observe_image(const SourceImage& image, const FeatureExtractor& extractor, const Model& model, ImageShape shape) {
   ObservedImage observed{image.frame, image.time_ns, {}};
   const auto start = Clock::now();
-  const Features features = extract_shaped(extractor, image.gray, shape);
+  const Features features = extract(extractor, image.gray, shape);
   const auto described = Clock::now();
   observed.observation = observe(model.vocabulary, features.descriptors);
   observed.describe_s = seconds_between(start, described);
@@ -34,10 +33,6 @@ ObservedImage observe_image(const SourceImage& image, const FeatureExtractor& ex
 }
 
 }  // namespace
-
-Features extract_shaped(const FeatureExtractor& extractor, const cv::Mat& gray, ImageShape shape) {
-  return shape == ImageShape::Panorama ? extract_panorama(extractor, gray) : extractor.extract(gray);
-}
 
 ObservedImages observe_images(ImageSource& source, const Model& model, const ObserveOptions& options) {
   const FeatureExtractor extractor(model.features);

@@ -8,16 +8,11 @@
 
 #include "frontend/fabmap/model.h"
 #include "frontend/fabmap/observation.h"
+#include "frontend/features/panorama.h"
 #include "frontend/progress.h"
 #include "frontend/sequence/image_source.h"
 
 namespace fabloop {
-
-/// Whether an image ends at its left and right edges.
-enum class ImageShape {
-  Plain,
-  Panorama,  ///< 360 degrees: the edges are neighbours; see extract_panorama.
-};
 
 /// The words that one image shows.
 struct ObservedImage {
@@ -41,9 +36,6 @@ struct ObserveOptions {
   int num_threads = 0;  ///< 0: all. The result does not depend on it.
   Progress progress;
 };
-
-/// The features of a grey image of that shape.
-Features extract_shaped(const FeatureExtractor& extractor, const cv::Mat& gray, ImageShape shape);
 
 /// The words of all images that the source still has. Throws InputError as ImageSource does, and when there are none.
 ObservedImages observe_images(ImageSource& source, const Model& model, const ObserveOptions& options = {});
