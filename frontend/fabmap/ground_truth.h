@@ -29,9 +29,9 @@ struct PoseRules {
   double radius_m = 10.0;  ///< Camera centres closer than this are a true match. About half of what one image shows.
   /// Where heading matters: the optical axes must be within this angle too. A larger angle is false. Not for cameras that look
   /// down, whose axes are parallel whatever their heading.
-  std::optional<double> max_angle_deg;
+  std::optional<double> max_angle_deg{};
   /// Centres from radius_m up to this are not judged, for pairs that may or may not share view. None: no such ring.
-  std::optional<double> not_judged_radius_m;
+  std::optional<double> not_judged_radius_m{};
 };
 
 /// Frames of one sequence that are no further apart than this are neighbours in time, and neither right nor wrong. None: the

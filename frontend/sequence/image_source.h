@@ -25,10 +25,10 @@ struct SourceImage {
 struct ImageSourceOptions {
   std::size_t every = 1;  ///< Only every Nth image, from the first. More where neighbours show nearly the same.
   /// Only so many images a second of the source's own time, each the first that is due. None: all.
-  std::optional<double> max_images_per_s;
+  std::optional<double> max_images_per_s{};
   IfDamaged if_damaged = IfDamaged::Skip;
   int num_threads = 0;  ///< 0: all. For the decoding of image files; a video is decoded by one.
-  Warn warn;            ///< Told about images that are skipped and about a video that ends early.
+  Warn warn{};          ///< Told about images that are skipped and about a video that ends early.
 };
 
 /// Images one after the other, from a folder of images or a video. Appearance needs no calibration, so none is read. Memory is
