@@ -7,6 +7,8 @@
 #include <cassert>
 #include <charconv>
 #include <cstring>
+#include <functional>
+#include <istream>
 #include <limits>
 #include <optional>
 #include <string>
@@ -110,6 +112,45 @@ std::optional<std::array<std::size_t, 2>> parse_shape(std::string_view text) {
   return shape;
 }
 
+/// Throws InputError that names the file.
+using Fail = std::function<void(const std::string& what)>;
+
+/// The dictionary between the magic and the entries.
+std::string read_header_text(std::istream& file, const Fail& fail) {
+  std::array<char, 12> preamble{};
+  file.read(preamble.data(), kPreambleBytes);
+  if (!file || std::string_view(preamble.data(), kMagic.size()) != kMagic) fail("is no NumPy file");
+  const int version = preamble[6];
+  if (version < 1 || version > 3) fail("is of NumPy format " + std::to_string(version) + ", which is unknown");
+  // Format 1 has a length of 2 bytes, the later ones of 4.
+  if (version > 1) file.read(preamble.data() + kPreambleBytes, 2);
+  std::uint32_t length = 0;
+  std::memcpy(&length, preamble.data() + 8, version > 1 ? 4 : 2);
+  if (length > kMaxHeaderBytes) fail("has a damaged header");
+  std::string text(length, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(length));
+  if (!file) fail("ends within its header");
+  return text;
+}
+
+struct Header {
+  const TypeName* type;
+  std::size_t num_rows, num_columns;
+};
+
+Header parse_header(std::string_view text, const Fail& fail) {
+  const auto descr = value_of(text, "descr");
+  const auto order = value_of(text, "fortran_order");
+  const auto shape = parse_shape(value_of(text, "shape").value_or(""));
+  if (!descr || !order || !shape) fail("has no header of a 2-D array");
+  if (!order->starts_with("False")) fail("is stored by columns (fortran_order)");
+  const auto known = std::find_if(kTypes.begin(), kTypes.end(), [&](const TypeName& name) {
+    return descr->size() > name.name.size() && descr->substr(1).starts_with(name.name);
+  });
+  if (known == kTypes.end()) fail("has entries of type " + std::string(descr->substr(0, descr->find(','))));
+  return {&*known, (*shape)[0], (*shape)[1]};
+}
+
 }  // namespace
 
 NpyWriter::NpyWriter(const std::filesystem::path& path, NpyType type, std::size_t num_columns)
@@ -155,40 +196,18 @@ NpyReader::NpyReader(const std::filesystem::path& path) : path_(path), file_(pat
   std::error_code error;
   const std::uintmax_t file_size = std::filesystem::file_size(path, error);
   if (!file_ || error) throw InputError(path.string() + ": cannot be read; does the file exist?");
-  std::array<char, 12> preamble{};
-  file_.read(preamble.data(), kPreambleBytes);
-  if (!file_ || std::string_view(preamble.data(), kMagic.size()) != kMagic) fail("is no NumPy file");
-  const int version = preamble[6];
-  if (version < 1 || version > 3) fail("is of NumPy format " + std::to_string(version) + ", which is unknown");
-  // Format 1 has a length of 2 bytes, the later ones of 4.
-  if (version > 1) file_.read(preamble.data() + kPreambleBytes, 2);
-  std::uint32_t length = 0;
-  std::memcpy(&length, preamble.data() + 8, version > 1 ? 4 : 2);
-  if (length > kMaxHeaderBytes) fail("has a damaged header");
-  std::string header(length, '\0');
-  file_.read(header.data(), static_cast<std::streamsize>(length));
-  if (!file_) fail("ends within its header");
-
-  const auto descr = value_of(header, "descr");
-  const auto order = value_of(header, "fortran_order");
-  const auto shape = parse_shape(value_of(header, "shape").value_or(""));
-  if (!descr || !order || !shape) fail("has no header of a 2-D array");
-  if (!order->starts_with("False")) fail("is stored by columns (fortran_order)");
-  const auto known = std::find_if(kTypes.begin(), kTypes.end(), [&](const TypeName& name) {
-    return descr->size() > name.name.size() && descr->substr(1).starts_with(name.name);
-  });
-  if (known == kTypes.end()) fail("has entries of type " + std::string(descr->substr(0, descr->find(','))));
-  type_ = known->type;
-  num_rows_ = (*shape)[0];
-  num_columns_ = (*shape)[1];
+  const Header header = parse_header(read_header_text(file_, fail), fail);
+  type_ = header.type->type;
+  num_rows_ = header.num_rows;
+  num_columns_ = header.num_columns;
   const std::uintmax_t data_size = file_size - static_cast<std::uintmax_t>(file_.tellg());
-  const bool overflows =
-      num_columns_ != 0 && num_rows_ > std::numeric_limits<std::uintmax_t>::max() / num_columns_ / known->bytes;
-  if (overflows || data_size != num_rows_ * num_columns_ * known->bytes) {
+  const std::size_t bytes = header.type->bytes;
+  const bool overflows = num_columns_ != 0 && num_rows_ > std::numeric_limits<std::uintmax_t>::max() / num_columns_ / bytes;
+  if (overflows || data_size != num_rows_ * num_columns_ * bytes) {
     fail("has " + std::to_string(data_size) + " bytes of entries, which does not fit its shape of " + std::to_string(num_rows_) +
          " x " + std::to_string(num_columns_));
   }
-  bytes_.resize(num_columns_ * known->bytes);
+  bytes_.resize(num_columns_ * bytes);
 }
 
 void NpyReader::read_row(std::span<double> row) {

@@ -26,8 +26,7 @@ void describe(ImageSource& source, ImageShape shape, const ModelTrainingOptions&
                  [&](std::size_t i) { descriptors[i] = extract(extractor, block[i].gray, shape).descriptors; });
     for (const cv::Mat& of_image : descriptors) spool.add(of_image);
     done += block.size();
-    // A video's number of frames is a guess; the last report alone says that all is done.
-    report(std::max(done + 1, source.estimated_size().value_or(0)));
+    report(std::max(done, source.estimated_size().value_or(done + 1)));
   }
   report(done);
 }

@@ -12,7 +12,7 @@ namespace fabloop {
 namespace {
 
 constexpr int kWidth = 900, kPlotHeight = 560;
-constexpr int kLeft = 90, kTop = 80, kRight = 40, kAxisText = 60, kLine = 20, kFoot = 15;
+constexpr int kLeft = 90, kTop = 100, kRight = 40, kAxisText = 60, kLine = 20, kFoot = 15;
 constexpr double kFootSize = 0.45;
 constexpr int kSubpixelBits = 4;
 
@@ -29,9 +29,9 @@ std::string percent(double part) {
 std::string figures(const PrecisionRecall& result) {
   if (!result.curve) return "no query has a true match";
   std::ostringstream text;
-  text << "AP " << percent(result.curve->average_precision) << "   recall at 100 % precision "
+  text << "average precision " << percent(result.curve->average_precision) << ", recall at 100 % precision "
        << percent(result.curve->recall_at_full_precision);
-  for (const RecallAt& at : result.recall_at) text << "   recall@" << at.k << ' ' << percent(at.recall);
+  for (const RecallAt& at : result.recall_at) text << ", recall@" << at.k << ' ' << percent(at.recall);
   return text.str();
 }
 
@@ -71,7 +71,8 @@ cv::Mat draw_precision_recall(const std::string& title, const PrecisionRecall& r
   plot::draw_axes(canvas, recall, precision);
   if (result.curve) draw_curve(canvas, *result.curve, recall, precision);
   plot::write(canvas, title, {kLeft, 30}, 0.0, plot::kTitleSize);
-  plot::write(canvas, figures(result), {kLeft, 58});
+  const std::vector<std::string> lines = plot::wrapped(figures(result), kWidth - kLeft - kRight);
+  for (std::size_t i = 0; i < lines.size(); ++i) plot::write(canvas, lines[i], {kLeft, 58 + kLine * static_cast<int>(i)});
   for (std::size_t i = 0; i < recipe.size(); ++i) {
     plot::write(canvas, recipe[i], {kLeft, kTop + kPlotHeight + kAxisText + kLine * static_cast<int>(i + 1)}, 0.0, kFootSize);
   }

@@ -51,9 +51,8 @@ ObservedImages observe_images(ImageSource& source, const Model& model, const Obs
     parallel_for(block.size(), options.num_threads,
                  [&](std::size_t i) { observed[i] = observe_image(block[i], extractor, model, options.shape); });
     std::move(observed.begin(), observed.end(), std::back_inserter(result.images));
-    // A video's number of frames is a guess; the last report alone says that all is done.
     const std::size_t done = result.images.size() + source.damaged_frames().size();
-    report(done, std::max(done + 1, source.estimated_size().value_or(0)));
+    report(done, std::max(done, source.estimated_size().value_or(done + 1)));
   }
   report(result.images.size(), result.images.size());
   result.damaged_frames = source.damaged_frames();
