@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frontend/fabmap/belief.h"
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -15,10 +16,19 @@ namespace {
 
 double log_or_minus_infinity(double p) { return p > 0.0 ? std::log(p) : -std::numeric_limits<double>::infinity(); }
 
-/// exp(x), without the work where it underflows: that is where most places of a large map are.
-double exp_or_zero(double x) {
-  constexpr double kUnderflow = -746.0;
-  return x < kUnderflow ? 0.0 : std::exp(x);
+/// exp(x - highest) of each x into `result`; zero where that underflows. Returns their sum.
+double exp_of_differences(const std::vector<double>& x, double highest, std::vector<double>& result) {
+  constexpr double kUnderflow = -708.0;
+  const auto size = static_cast<Eigen::Index>(x.size());
+  // Eigen's is several numbers at a time, and stops short of zero.
+  Eigen::Map<Eigen::ArrayXd>(result.data(), size) =
+      (Eigen::Map<const Eigen::ArrayXd>(x.data(), size) - highest).max(kUnderflow).exp();
+  double sum = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (x[i] - highest < kUnderflow) result[i] = 0.0;
+    sum += result[i];
+  }
+  return sum;
 }
 
 }  // namespace
@@ -92,10 +102,9 @@ Belief posterior(const Prior& prior, std::vector<double> log_likelihood, double 
   }
   if (!std::isfinite(highest)) throw InputError("the observation is impossible at every place that the prior allows");
 
-  belief.p_new = exp_or_zero(belief.log_p_new - highest);
+  belief.p_new = std::exp(belief.log_p_new - highest);
   belief.p_place.resize(num_places);
-  double sum = belief.p_new;
-  for (std::size_t i = 0; i < num_places; ++i) sum += belief.p_place[i] = exp_or_zero(belief.log_p_place[i] - highest);
+  const double sum = belief.p_new + exp_of_differences(belief.log_p_place, highest, belief.p_place);
   const double log_evidence = highest + std::log(sum);
   belief.p_new /= sum;
   belief.log_p_new -= log_evidence;

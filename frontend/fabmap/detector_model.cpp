@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 #include "frontend/error.h"
 
@@ -20,15 +21,20 @@ double p_present_anywhere(const DetectorModel& detector, double p_word) {
   return std::clamp(p, std::min(p_word, 1.0 - kMaxPresentAnywhere), kMaxPresentAnywhere);
 }
 
-double p_present(const DetectorModel& detector, double p_word, std::uint32_t visits, std::uint32_t detections) {
+double presence_factor(const DetectorModel& detector, std::uint32_t visits, std::uint32_t detections) {
   assert(detections <= visits);
-  if (detections > 0 && detector.p_seen_if_absent == 0.0) return 1.0;
-  const double p_anywhere = p_present_anywhere(detector, p_word);
+  constexpr double kLeastLog = -650.0;
+  if (detections > 0 && detector.p_seen_if_absent == 0.0) return std::numeric_limits<double>::infinity();
   const double misses = visits - detections;
-  double log_odds = std::log(p_anywhere / (1.0 - p_anywhere)) +
-                    misses * std::log((1.0 - detector.p_seen_if_present) / (1.0 - detector.p_seen_if_absent));
-  if (detections > 0) log_odds += detections * std::log(detector.p_seen_if_present / detector.p_seen_if_absent);
-  return 1.0 / (1.0 + std::exp(-log_odds));
+  double log_factor = misses * std::log((1.0 - detector.p_seen_if_present) / (1.0 - detector.p_seen_if_absent));
+  if (detections > 0) log_factor += detections * std::log(detector.p_seen_if_present / detector.p_seen_if_absent);
+  return std::exp(std::max(log_factor, kLeastLog));
+}
+
+double p_present(const DetectorModel& detector, double p_word, std::uint32_t visits, std::uint32_t detections) {
+  const double p_anywhere = p_present_anywhere(detector, p_word);
+  const double odds = p_anywhere / (1.0 - p_anywhere) * presence_factor(detector, visits, detections);
+  return 1.0 / (1.0 + 1.0 / odds);
 }
 
 void validate(const DetectorModel& detector, const std::string& where) {

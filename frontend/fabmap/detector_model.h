@@ -23,6 +23,10 @@ double p_seen_given_present(const DetectorModel& detector, bool seen, bool prese
 /// at most kMaxPresentAnywhere for words that are seen more often than the detector could see them if always present.
 double p_present_anywhere(const DetectorModel& detector, double p_word);
 
+/// What visits do to the odds of e at a place: odds after them over odds before. Infinite where a detection is certainty. Not
+/// below exp(-650), so that no number of visits makes a word impossible.
+double presence_factor(const DetectorModel& detector, std::uint32_t visits, std::uint32_t detections);
+
 /// p(e=1 | L) once the place was visited `visits` times and the word was seen at `detections` of them (Cummins & Newman
 /// 2008, their recursion applied to every visit: only the two counts matter).
 double p_present(const DetectorModel& detector, double p_word, std::uint32_t visits, std::uint32_t detections);

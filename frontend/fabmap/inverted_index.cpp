@@ -6,131 +6,84 @@
 namespace fabloop {
 namespace {
 
-constexpr auto kUnseen = static_cast<std::size_t>(WordState::Unseen);
+constexpr std::size_t kCapacity = PostingBlock::kCapacity;
+
+/// Adds what words from `first` up to `last` say to the likelihoods of a block's places, as their first visits left them.
+void add_words_to_block(const PostingBlock& block, const InvertedIndex::Query& query, std::size_t first, std::size_t last,
+                        double* log_likelihood) {
+  // Lists lie apart, each shorter than a prefetcher needs to see a pattern.
+  constexpr std::size_t kSoon = 4, kLater = 12;
+  for (std::size_t i = first; i < last; ++i) {
+    if (i + kLater < last) block.prefetch_list_of(query.words[i + kLater].word);
+    if (i + kSoon < last) block.prefetch_places(query.words[i + kSoon].word);
+    const double change = query.change_once[i];
+    for (const auto place : block.places(query.words[i].word)) log_likelihood[place] += change;
+  }
+}
 
 }  // namespace
 
-InvertedIndex::InvertedIndex(const ObservationModel& model) {
-  const std::size_t num_words = model.tree.num_words();
-  children_.resize(num_words);
-  gain_once_.resize(num_words);
-  seen_once_.resize(num_words);
-  seen_.resize(num_words);
-  for (WordId word = 0; word < num_words; ++word) {
-    if (const auto parent = model.tree.nodes[word].parent) children_[*parent].push_back(word);
-    gain_once_[word] = gain(model, word, 1, 1);
+void InvertedIndex::add_place(const WordTerms& terms, const VisitCounts& counts, const Observation& observation) {
+  if (gain_once_.empty()) {
+    const Counts& once = counts[VisitCounts::kOnce];
+    for (WordId word = 0; word < terms.num_words(); ++word) gain_once_.push_back(terms.gain(word, once));
+    nothing_seen_where_never_seen_ = terms.nothing_seen_where_never_seen(once.factor_unseen);
   }
-  for (const std::uint32_t visits : {0u, 1u}) defaults_.emplace(visits, make_defaults(model, visits));
-}
-
-InvertedIndex::Defaults InvertedIndex::make_defaults(const ObservationModel& model, std::uint32_t visits) {
-  Defaults defaults;
-  defaults.change.resize(model.tree.num_words());
-  for (WordId word = 0; word < defaults.change.size(); ++word) {
-    StateValues values = log_p_word(model, word, visits, 0);
-    const double unseen = values[kUnseen];
-    defaults.nothing_seen += unseen;
-    for (double& value : values) value -= unseen;
-    defaults.change[word] = values;
+  if (blocks_.empty() || blocks_.back().num_places() == kCapacity) {
+    if (!blocks_.empty()) blocks_.back().seal();
+    blocks_.emplace_back(terms.num_words());
   }
-  return defaults;
+  blocks_.back().add_place(observation.words);
+  double gains = 0.0;
+  for (const WordId word : observation.words) gains += gain_once_[word];
+  nothing_seen_.push_back(nothing_seen_where_never_seen_ + gains);
 }
 
-/// log p of the word in each state at a place where it was seen, less that at a place where it never was.
-InvertedIndex::StateValues InvertedIndex::gain(const ObservationModel& model, WordId word, std::uint32_t visits,
-                                               std::uint32_t detections) {
-  StateValues values = log_p_word(model, word, visits, detections);
-  const StateValues never_seen = log_p_word(model, word, visits, 0);
-  for (std::size_t i = 0; i < values.size(); ++i) values[i] -= never_seen[i];
-  return values;
+void InvertedIndex::add_visit(const WordTerms& terms, VisitCounts& counts, PlaceId id, const PlaceModel& before,
+                              const PlaceModel& after) {
+  revisited_.add_visit(terms, counts, id, before, after);
 }
 
-void InvertedIndex::add_place(const ObservationModel& model, const PlaceModel& place) {
-  visits_.push_back(0);
-  nothing_seen_.push_back(0.0);
-  insert(model, static_cast<PlaceId>(visits_.size() - 1), place);
-}
-
-void InvertedIndex::add_visit(const ObservationModel& model, PlaceId id, const PlaceModel& before, const PlaceModel& after) {
-  for (const WordId word : before.words) {
-    if (before.visits == 1) {
-      auto& places = seen_once_[word];
-      places.erase(std::lower_bound(places.begin(), places.end(), id));
-    } else {
-      auto& postings = seen_[word];
-      postings.erase(std::lower_bound(postings.begin(), postings.end(), id,
-                                      [](const Posting& posting, PlaceId place) { return posting.place < place; }));
-    }
-  }
-  insert(model, id, after);
-}
-
-void InvertedIndex::insert(const ObservationModel& model, PlaceId id, const PlaceModel& place) {
-  if (!defaults_.contains(place.visits)) defaults_.emplace(place.visits, make_defaults(model, place.visits));
-  visits_[id] = place.visits;
-  nothing_seen_[id] = 0.0;
-  for (std::size_t i = 0; i < place.words.size(); ++i) {
-    const WordId word = place.words[i];
-    if (place.visits == 1) {
-      auto& places = seen_once_[word];
-      places.insert(std::lower_bound(places.begin(), places.end(), id), id);
-      nothing_seen_[id] += gain_once_[word][kUnseen];
-    } else {
-      auto& postings = seen_[word];
-      const auto at = std::lower_bound(postings.begin(), postings.end(), id,
-                                       [](const Posting& posting, PlaceId other) { return posting.place < other; });
-      postings.insert(at, {id, place.detections[i]});
-      nothing_seen_[id] += gain(model, word, place.visits, place.detections[i])[kUnseen];
-    }
-  }
-}
-
-std::vector<InvertedIndex::Affected> InvertedIndex::affected_words(const Observation& observation) const {
-  std::vector<Affected> affected;
-  const auto is_seen = [&](WordId word) { return std::binary_search(observation.words.begin(), observation.words.end(), word); };
-  std::vector<WordId> seen_with_parent;
-  for (const WordId word : observation.words) {
-    for (const WordId child : children_[word]) {
-      const bool child_seen = is_seen(child);
-      if (child_seen) seen_with_parent.push_back(child);
-      const auto state = child_seen ? WordState::SeenWithParent : WordState::UnseenParentSeen;
-      affected.push_back({child, static_cast<std::size_t>(state)});
-    }
-  }
-  std::sort(seen_with_parent.begin(), seen_with_parent.end());
-  for (const WordId word : observation.words) {
-    if (std::binary_search(seen_with_parent.begin(), seen_with_parent.end(), word)) continue;
-    affected.push_back({word, static_cast<std::size_t>(WordState::SeenParentUnseen)});
-  }
-  return affected;
-}
-
-double InvertedIndex::likelihood_where_never_seen(const Defaults& defaults, const std::vector<Affected>& affected) {
-  double result = defaults.nothing_seen;
-  for (const auto& [word, state] : affected) result += defaults.change[word][state];
+std::vector<double> InvertedIndex::log_likelihoods(const WordTerms& terms, const VisitCounts& counts,
+                                                   const Observation& observation) const {
+  const Query query = prepare(terms, counts, observation);
+  std::vector<double> result = start(query);
+  add_words(terms, counts, query, 0, query.words.size(), result);
   return result;
 }
 
-std::vector<double> InvertedIndex::log_likelihoods(const ObservationModel& model, const Observation& observation) const {
-  const std::vector<Affected> affected = affected_words(observation);
-  std::vector<double> default_by_visits(defaults_.rbegin()->first + 1, 0.0);
-  for (const auto& [visits, defaults] : defaults_) default_by_visits[visits] = likelihood_where_never_seen(defaults, affected);
-
-  std::vector<double> result(visits_.size());
-  for (std::size_t i = 0; i < result.size(); ++i) result[i] = default_by_visits[visits_[i]] + nothing_seen_[i];
-  for (const auto& [word, state] : affected) {
-    const double once = gain_once_[word][state] - gain_once_[word][kUnseen];
-    for (const PlaceId place : seen_once_[word]) result[place] += once;
-    for (const auto& [place, detections] : seen_[word]) {
-      const StateValues values = gain(model, word, visits_[place], detections);
-      result[place] += values[state] - values[kUnseen];
-    }
+InvertedIndex::Query InvertedIndex::prepare(const WordTerms& terms, const VisitCounts& counts,
+                                            const Observation& observation) const {
+  Query query;
+  query.words = terms.affected_words(observation);
+  const Counts& once = counts[VisitCounts::kOnce];
+  for (const AffectedWord& word : query.words) query.change_once.push_back(terms.change_of_gain(word, once));
+  query.where_never_seen = revisited_.where_never_seen();
+  query.where_never_seen[1] = nothing_seen_where_never_seen_;
+  for (auto& [visits, log_likelihood] : query.where_never_seen) {
+    const double factor = presence_factor(terms.detector(), visits, 0);
+    for (const AffectedWord& word : query.words) log_likelihood += terms.change_where_never_seen(word, factor);
   }
+  return query;
+}
+
+std::vector<double> InvertedIndex::start(const Query& query) const {
+  const double change = query.where_never_seen.at(1) - nothing_seen_where_never_seen_;
+  std::vector<double> result = nothing_seen_;
+  for (double& log_likelihood : result) log_likelihood += change;
+  revisited_.scatter(revisited_.start(query.where_never_seen), result);
   return result;
 }
 
-double InvertedIndex::log_likelihood_unvisited(const Observation& observation) const {
-  return likelihood_where_never_seen(defaults_.at(0), affected_words(observation));
+void InvertedIndex::add_words(const WordTerms& terms, const VisitCounts& counts, const Query& query, std::size_t first,
+                              std::size_t last, std::vector<double>& log_likelihood) const {
+  // The revisited places are set aside, since the blocks know of their first visits only.
+  std::vector<double> revisited = revisited_.gather(log_likelihood);
+  for (std::size_t block = 0; block < blocks_.size(); ++block) {
+    add_words_to_block(blocks_[block], query, first, last, log_likelihood.data() + block * kCapacity);
+  }
+  revisited_.add_words(terms, counts, std::span(query.words).subspan(first, last - first), revisited);
+  revisited_.scatter(revisited, log_likelihood);
 }
 
 }  // namespace fabloop

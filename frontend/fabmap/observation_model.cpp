@@ -31,16 +31,28 @@ double p_word(const ChowLiuNode& node, const DetectorModel& detector, WordState 
   return beta / (alpha + beta);
 }
 
+WordLikelihood word_likelihood(const ObservationModel& model, WordId word) {
+  const ChowLiuNode& node = model.tree.nodes[word];
+  WordLikelihood result{};
+  for (std::size_t i = 0; i < kNumWordStates; ++i) {
+    result.if_present[i] = p_word(node, model.detector, static_cast<WordState>(i), true);
+    result.if_absent[i] = p_word(node, model.detector, static_cast<WordState>(i), false);
+  }
+  const double p = p_present_anywhere(model.detector, node.p);
+  result.odds_anywhere = p / (1.0 - p);
+  return result;
+}
+
+double log_p(const WordLikelihood& word, WordState state, double odds) {
+  return std::log(unscaled_p(word, state, odds) / (odds > 1.0 ? 1.0 + 1.0 / odds : 1.0 + odds));
+}
+
 std::array<double, kNumWordStates> log_p_word(const ObservationModel& model, WordId word, std::uint32_t visits,
                                               std::uint32_t detections) {
-  const ChowLiuNode& node = model.tree.nodes[word];
-  const double present = p_present(model.detector, node.p, visits, detections);
+  const WordLikelihood likelihood = word_likelihood(model, word);
+  const double odds = likelihood.odds_anywhere * presence_factor(model.detector, visits, detections);
   std::array<double, kNumWordStates> result{};
-  for (std::size_t i = 0; i < kNumWordStates; ++i) {
-    const auto state = static_cast<WordState>(i);
-    result[i] = std::log(p_word(node, model.detector, state, true) * present +
-                         p_word(node, model.detector, state, false) * (1.0 - present));
-  }
+  for (std::size_t i = 0; i < kNumWordStates; ++i) result[i] = log_p(likelihood, static_cast<WordState>(i), odds);
   return result;
 }
 

@@ -18,9 +18,6 @@ namespace {
 
 constexpr std::array<Named<NewPlaceModel>, 3> kNewPlaceNames{
     {{NewPlaceModel::MeanField, "mean-field"}, {NewPlaceModel::Sampled, "sampled"}, {NewPlaceModel::None, "off"}}};
-constexpr std::array<Named<LikelihoodEngine>, 2> kEngineNames{
-    {{LikelihoodEngine::Exact, "exact"}, {LikelihoodEngine::InvertedIndex, "index"}}};
-
 ObservationModel validated(ChowLiuTree tree, const DetectorModel& detector) {
   validate(tree, "Chow-Liu tree");
   validate(detector, "detector");
@@ -35,11 +32,21 @@ double log_mean_exp(const std::vector<double>& values) {
   return highest + std::log(sum / static_cast<double>(values.size()));
 }
 
+/// The new place must not be bounded but known, so samples are never dropped.
+LikelihoodEngine engine_of_samples(LikelihoodEngine engine) {
+  return engine == LikelihoodEngine::BailOut ? LikelihoodEngine::InvertedIndex : engine;
+}
+
 }  // namespace
 
 PlaceRecognizer::PlaceRecognizer(ChowLiuTree tree, DetectorModel detector, const std::vector<Observation>& background,
                                  const PlaceRecognizerOptions& options)
-    : model_(validated(std::move(tree), detector)), options_(options), index_(model_), sample_index_(model_) {
+    : model_(validated(std::move(tree), detector)),
+      terms_(model_),
+      options_(options),
+      places_(detector, options.engine, options.bail_out),
+      samples_(detector, engine_of_samples(options.engine), {}) {
+  validate(options.bail_out);
   if (options_.new_place != NewPlaceModel::Sampled) return;
   if (background.empty() || options_.max_samples == 0) {
     throw InputError(
@@ -48,8 +55,7 @@ PlaceRecognizer::PlaceRecognizer(ChowLiuTree tree, DetectorModel detector, const
   }
   for (const std::size_t i : sample_without_replacement(background.size(), options_.max_samples, options_.seed)) {
     validate(background[i], model_.tree.num_words());
-    fabloop::add_visit(samples_.emplace_back(), background[i]);
-    sample_index_.add_place(model_, samples_.back());
+    samples_.add_place(model_, terms_, background[i]);
   }
 }
 
@@ -62,7 +68,11 @@ Belief PlaceRecognizer::recognize(const Observation& observation, const Prior& p
     if (options_.new_place != NewPlaceModel::None) nowhere.log_likelihood_new = log_likelihood_new_place(observation);
     return nowhere;
   }
-  return posterior(prior, log_likelihoods(observation), log_likelihood_new_place(observation));
+  validate(observation, model_.tree.num_words());
+  BailOutResult likelihoods = places_.log_likelihoods(model_, terms_, observation);
+  Belief belief = posterior(prior, std::move(likelihoods.log_likelihood), log_likelihood_new_place(observation));
+  belief.bailed_out = std::move(likelihoods.dropped);
+  return belief;
 }
 
 Belief PlaceRecognizer::recognize(const Observation& observation) const {
@@ -70,48 +80,34 @@ Belief PlaceRecognizer::recognize(const Observation& observation) const {
 }
 
 std::vector<double> PlaceRecognizer::log_likelihoods(const Observation& observation) const {
-  return log_likelihoods(places_, index_, observation);
+  validate(observation, model_.tree.num_words());
+  return places_.log_likelihoods(model_, terms_, observation).log_likelihood;
 }
 
 double PlaceRecognizer::log_likelihood_new_place(const Observation& observation) const {
+  validate(observation, model_.tree.num_words());
   if (options_.new_place == NewPlaceModel::None) return -std::numeric_limits<double>::infinity();
-  if (options_.new_place == NewPlaceModel::Sampled) return log_mean_exp(log_likelihoods(samples_, sample_index_, observation));
+  if (options_.new_place == NewPlaceModel::Sampled) {
+    return log_mean_exp(samples_.log_likelihoods(model_, terms_, observation).log_likelihood);
+  }
   if (options_.engine == LikelihoodEngine::Exact) return log_likelihood(model_, PlaceModel{}, observation);
-  validate(observation, model_.tree.num_words());
-  return index_.log_likelihood_unvisited(observation);
-}
-
-std::vector<double> PlaceRecognizer::log_likelihoods(const std::vector<PlaceModel>& places, const InvertedIndex& index,
-                                                     const Observation& observation) const {
-  validate(observation, model_.tree.num_words());
-  if (options_.engine == LikelihoodEngine::InvertedIndex) return index.log_likelihoods(model_, observation);
-  std::vector<double> result;
-  result.reserve(places.size());
-  for (const PlaceModel& place : places) result.push_back(log_likelihood(model_, place, observation));
-  return result;
+  return terms_.log_likelihood_average_place(observation);
 }
 
 PlaceId PlaceRecognizer::add_place(const Observation& observation) {
   validate(observation, model_.tree.num_words());
-  fabloop::add_visit(places_.emplace_back(), observation);
-  index_.add_place(model_, places_.back());
+  places_.add_place(model_, terms_, observation);
   return static_cast<PlaceId>(places_.size() - 1);
 }
 
 void PlaceRecognizer::add_visit(PlaceId place, const Observation& observation) {
   assert(place < places_.size());
   validate(observation, model_.tree.num_words());
-  const PlaceModel before = places_[place];
-  fabloop::add_visit(places_[place], observation);
-  index_.add_visit(model_, place, before, places_[place]);
+  places_.add_visit(model_, terms_, place, observation);
 }
 
 std::string_view to_string(NewPlaceModel new_place) { return name_of(kNewPlaceNames, new_place); }
 
 std::optional<NewPlaceModel> new_place_model_from_string(std::string_view name) { return named(kNewPlaceNames, name); }
-
-std::string_view to_string(LikelihoodEngine engine) { return name_of(kEngineNames, engine); }
-
-std::optional<LikelihoodEngine> likelihood_engine_from_string(std::string_view name) { return named(kEngineNames, name); }
 
 }  // namespace fabloop

@@ -10,20 +10,15 @@
 #include "frontend/fabmap/belief.h"
 #include "frontend/fabmap/chow_liu_tree.h"
 #include "frontend/fabmap/detector_model.h"
-#include "frontend/fabmap/inverted_index.h"
 #include "frontend/fabmap/observation.h"
 #include "frontend/fabmap/observation_model.h"
+#include "frontend/fabmap/place_likelihoods.h"
 #include "frontend/fabmap/place_model.h"
+#include "frontend/fabmap/word_terms.h"
 
 namespace fabloop {
 
 struct Model;
-
-/// Ways to one number: log p(Z | L) of every place.
-enum class LikelihoodEngine {
-  Exact,          ///< Every word at every place (Cummins & Newman 2008). The reference.
-  InvertedIndex,  ///< Only the words seen (Cummins & Newman 2011). The same to 1e-9.
-};
 
 /// Ways to the likelihood of a place that is not in the map.
 enum class NewPlaceModel {
@@ -37,17 +32,14 @@ enum class NewPlaceModel {
 std::string_view to_string(NewPlaceModel new_place);
 std::optional<NewPlaceModel> new_place_model_from_string(std::string_view name);
 
-/// "exact", "index": likewise.
-std::string_view to_string(LikelihoodEngine engine);
-std::optional<LikelihoodEngine> likelihood_engine_from_string(std::string_view name);
-
 struct PlaceRecognizerOptions {
   LikelihoodEngine engine = LikelihoodEngine::InvertedIndex;
   /// `Sampled` when the model was trained elsewhere; `MeanField` when it was trained on the very places that are visited.
   NewPlaceModel new_place = NewPlaceModel::MeanField;
   /// Only for `Sampled`: at most so many of the background observations are used. Fewer for speed.
   std::size_t max_samples = 500;
-  std::uint64_t seed = 1;  ///< Only for `Sampled`: chooses among the background observations.
+  std::uint64_t seed = 1;   ///< Only for `Sampled`: chooses among the background observations.
+  BailOutOptions bail_out;  ///< Only for LikelihoodEngine::BailOut.
 };
 
 /// FAB-MAP: the places seen so far, and where an image may have been taken among them. Queries are const and may run in
@@ -67,7 +59,8 @@ class PlaceRecognizer {
   /// The same with uniform_prior(num_places()).
   Belief recognize(const Observation& observation) const;
 
-  /// log p(Z | L) of each place.
+  /// log p(Z | L) of each place: for particle filters and pose filters, which weigh with their own prior, and for localisation.
+  /// With LikelihoodEngine::BailOut, upper bounds for those dropped; Belief::bailed_out names them.
   std::vector<double> log_likelihoods(const Observation& observation) const;
 
   /// log p(Z | a place that is not in the map); minus infinity with NewPlaceModel::None.
@@ -81,16 +74,15 @@ class PlaceRecognizer {
 
   std::size_t num_places() const { return places_.size(); }
 
- private:
-  std::vector<double> log_likelihoods(const std::vector<PlaceModel>& places, const InvertedIndex& index,
-                                      const Observation& observation) const;
+  /// What was seen at a place.
+  PlaceModel place(PlaceId id) const { return places_[id]; }
 
+ private:
   ObservationModel model_;
+  WordTerms terms_;
   PlaceRecognizerOptions options_;
-  std::vector<PlaceModel> places_;
-  InvertedIndex index_;              ///< Over places_.
-  std::vector<PlaceModel> samples_;  ///< Places elsewhere, for `Sampled`.
-  InvertedIndex sample_index_;       ///< Over samples_.
+  PlaceLikelihoods places_;
+  PlaceLikelihoods samples_;  ///< Places elsewhere, for `Sampled`.
 };
 
 }  // namespace fabloop

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <benchmark/benchmark.h>
+#include <malloc.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <vector>
@@ -22,21 +24,79 @@ const ChowLiuTree& tree() {
   return result;
 }
 
-PlaceRecognizer map_of(std::size_t num_places, testing::TreeSampler& sampler) {
-  PlaceRecognizer recognizer(tree(), {});
-  for (std::size_t i = 0; i < num_places; ++i) recognizer.add_place(sampler.draw());
+/// Bytes that are allocated now, wherever malloc put them.
+double allocated_bytes() {
+  const auto info = mallinfo2();
+  return static_cast<double>(info.uordblks + info.hblkhd);
+}
+
+/// A map of many places. Large ones repeat 10,000 drawn places, since drawing takes longer than adding.
+PlaceRecognizer map_of(std::size_t num_places, testing::TreeSampler& sampler,
+                       LikelihoodEngine engine = LikelihoodEngine::InvertedIndex) {
+  PlaceRecognizerOptions options;
+  options.engine = engine;
+  PlaceRecognizer recognizer(tree(), {}, {}, options);
+  const std::vector<Observation> drawn = sampler.draw(std::min<std::size_t>(num_places, 10000));
+  for (std::size_t i = 0; i < num_places; ++i) recognizer.add_place(drawn[i * 7919 % drawn.size()]);
   return recognizer;
 }
 
-void query(benchmark::State& state) {
+void query(benchmark::State& state, LikelihoodEngine engine) {
   testing::TreeSampler sampler(tree(), 2);
-  const PlaceRecognizer recognizer = map_of(static_cast<std::size_t>(state.range(0)), sampler);
+  const double bytes_before = allocated_bytes();
+  const PlaceRecognizer recognizer = map_of(static_cast<std::size_t>(state.range(0)), sampler, engine);
+  const double bytes = allocated_bytes() - bytes_before;
+  const std::vector<Observation> queries = sampler.draw(64);
+  const Prior prior = uniform_prior(recognizer.num_places());
+  std::size_t i = 0;
+  for (auto _ : state) benchmark::DoNotOptimize(recognizer.recognize(queries[i++ % queries.size()], prior));
+  state.counters["ns/place"] = benchmark::Counter(static_cast<double>(state.range(0)) * 1e-9,
+                                                  benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["bytes/place"] = bytes / static_cast<double>(state.range(0));
+}
+BENCHMARK_CAPTURE(query, index, LikelihoodEngine::InvertedIndex)
+    ->Name("FabMapQuery/index")
+    ->ArgName("places")
+    ->Arg(1000)
+    ->Arg(10000)
+    ->Arg(100000)
+    ->Arg(1000000)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(query, bail_out, LikelihoodEngine::BailOut)
+    ->Name("FabMapQuery/bail-out")
+    ->ArgName("places")
+    ->Arg(10000)
+    ->Arg(100000)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(query, table, LikelihoodEngine::Table)
+    ->Name("FabMapQuery/table")
+    ->ArgName("places")
+    ->Arg(10000)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(query, exact, LikelihoodEngine::Exact)
+    ->Name("FabMapQuery/exact")
+    ->ArgName("places")
+    ->Arg(1000)
+    ->Unit(benchmark::kMillisecond);
+
+/// A map of video: every place was visited ten times.
+void query_after_revisits(benchmark::State& state) {
+  testing::TreeSampler sampler(tree(), 2);
+  PlaceRecognizer recognizer = map_of(static_cast<std::size_t>(state.range(0)), sampler);
+  const std::vector<Observation> visits = sampler.draw(9);
+  for (PlaceId place = 0; place < recognizer.num_places(); ++place) {
+    for (const Observation& visit : visits) recognizer.add_visit(place, visit);
+  }
   const std::vector<Observation> queries = sampler.draw(64);
   const Prior prior = uniform_prior(recognizer.num_places());
   std::size_t i = 0;
   for (auto _ : state) benchmark::DoNotOptimize(recognizer.recognize(queries[i++ % queries.size()], prior));
 }
-BENCHMARK(query)->Name("FabMapQuery")->ArgName("places")->Arg(1000)->Arg(10000)->Arg(100000)->Unit(benchmark::kMillisecond);
+BENCHMARK(query_after_revisits)
+    ->Name("FabMapQueryAfterTenVisitsEach")
+    ->ArgName("places")
+    ->Arg(1000)
+    ->Unit(benchmark::kMillisecond);
 
 void add_place(benchmark::State& state) {
   testing::TreeSampler sampler(tree(), 3);
