@@ -155,9 +155,10 @@ void add_method_options(CLI::App* command, RecognizeArguments& arguments) {
   command->add_option("--samples", slam.recognizer.max_samples, "with sampled: at most so many views of elsewhere")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command->add_option("--engine", arguments.engine, "way to the likelihoods")
+  command->add_option("--engine", arguments.engine, "way to the likelihoods: exact, table, bail-out, index")
       ->check([](const std::string& name) {
-        return likelihood_engine_from_string(name) ? std::string() : "there is no engine '" + name + "'; give exact or index";
+        return likelihood_engine_from_string(name) ? std::string()
+                                                   : "there is no engine '" + name + "'; give exact, table, bail-out or index";
       })
       ->capture_default_str();
   command
