@@ -59,12 +59,14 @@ Belief without_recent_places(Belief belief, std::size_t num_places) {
   double highest = belief.log_p_new;
   for (const double log_p : belief.log_p_place) highest = std::max(highest, log_p);
   if (!std::isfinite(highest)) highest = belief.log_p_new = 0.0;
-  double sum = exp_or_zero(belief.log_p_new - highest);
-  for (const double log_p : belief.log_p_place) sum += exp_or_zero(log_p - highest);
+  const double sum = std::exp(belief.log_p_new - highest) + exp_of_differences(belief.log_p_place, highest, belief.p_place);
   const double log_total = highest + std::log(sum);
-  const auto scale = [&](double& p, double& log_p) { p = exp_or_zero(log_p -= log_total); };
-  scale(belief.p_new, belief.log_p_new);
-  for (std::size_t i = 0; i < belief.p_place.size(); ++i) scale(belief.p_place[i], belief.log_p_place[i]);
+  belief.log_p_new -= log_total;
+  belief.p_new = std::exp(belief.log_p_new);
+  for (std::size_t i = 0; i < belief.p_place.size(); ++i) {
+    belief.p_place[i] /= sum;
+    belief.log_p_place[i] -= log_total;
+  }
   return belief;
 }
 
