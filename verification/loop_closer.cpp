@@ -30,9 +30,9 @@ class Stopwatch {
 LoopCloser::LoopCloser(const Camera& camera, const Model& model, const LoopCloserOptions& options)
     : camera_(camera),
       options_(options),
-      vocabulary_(model.vocabulary),
       feature_kind_(model.features.kind),
       recognizer_(model, options.recognizer),
+      words_(model.vocabulary, options.words),
       verifier_(options.verifier) {}
 
 LoopEvent LoopCloser::add_keyframe(Keyframe keyframe) {
@@ -45,7 +45,7 @@ LoopEvent LoopCloser::add_keyframe(Keyframe keyframe) {
   Observation observation;
   {
     const Stopwatch watch(event.times.words_s);
-    observation = observe(vocabulary_, keyframe.features.descriptors);
+    observation = words_.observe(keyframe.features.descriptors);
   }
   const std::vector<Hypothesis> hypotheses = recognise(observation, event);
   views_.push_back(make_view(keyframe.frame, camera_, std::move(keyframe.features)));

@@ -10,6 +10,7 @@
 #include "frontend/fabmap/model.h"
 #include "frontend/fabmap/motion_model.h"
 #include "frontend/fabmap/place_recognizer.h"
+#include "frontend/fabmap/word_finder.h"
 #include "frontend/features/features.h"
 #include "frontend/geometry/camera.h"
 #include "frontend/geometry/pose.h"
@@ -20,6 +21,7 @@
 namespace fabloop {
 
 struct LoopCloserOptions {
+  WordFinderOptions words;
   PlaceRecognizerOptions recognizer;
   MotionModel motion;
   HypothesesOptions hypotheses;
@@ -84,9 +86,9 @@ class LoopCloser {
 
   Camera camera_;
   LoopCloserOptions options_;
-  Vocabulary vocabulary_;
   FeatureKind feature_kind_;
   PlaceRecognizer recognizer_;
+  WordFinder words_;
   Verifier verifier_;
   std::optional<Belief> belief_;
   std::vector<View> views_;              ///< By place.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frontend/fabmap/chow_liu_tree.h"
 
+#include <numeric>
+
 #include "frontend/error.h"
 
 namespace fabloop {
@@ -17,9 +19,9 @@ ChowLiuTree naive_bayes(ChowLiuTree tree) {
 
 std::vector<WordId> parents_first(const ChowLiuTree& tree, const std::string& where) {
   const std::size_t num_words = tree.num_words();
-  std::vector<std::vector<WordId>> children(num_words);
   std::vector<WordId> order;
   order.reserve(num_words);
+  std::vector<WordId> starts(num_words + 2, 0);  // Two further than the parent: filling moves each to where it belongs.
   for (WordId word = 0; word < num_words; ++word) {
     const auto parent = tree.nodes[word].parent;
     if (!parent) {
@@ -28,11 +30,16 @@ std::vector<WordId> parents_first(const ChowLiuTree& tree, const std::string& wh
       throw InputError(where + ": word " + std::to_string(word) + " has parent " + std::to_string(*parent) +
                        " but there are only " + std::to_string(num_words) + " words; train the model again");
     } else {
-      children[*parent].push_back(word);
+      ++starts[*parent + 2];
     }
   }
+  std::partial_sum(starts.begin(), starts.end(), starts.begin());
+  std::vector<WordId> children(num_words - order.size());  // Of word w: from starts[w] to starts[w + 1].
+  for (WordId word = 0; word < num_words; ++word) {
+    if (const auto parent = tree.nodes[word].parent) children[starts[*parent + 1]++] = word;
+  }
   for (std::size_t i = 0; i < order.size(); ++i) {
-    order.insert(order.end(), children[order[i]].begin(), children[order[i]].end());
+    for (WordId child = starts[order[i]]; child < starts[order[i] + 1]; ++child) order.push_back(children[child]);
   }
   if (order.size() != num_words) {
     throw InputError(where + ": the links of " + std::to_string(num_words - order.size()) +

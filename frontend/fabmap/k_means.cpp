@@ -40,9 +40,9 @@ std::size_t restart_empty(cv::Mat& centres, const std::vector<std::size_t>& size
 }
 
 /// The centres that some point is nearest to.
-cv::Mat without_empty(const cv::Mat& centres, const cv::Mat& points, int num_threads) {
+cv::Mat without_empty(const cv::Mat& centres, const std::vector<std::uint32_t>& nearest) {
   std::vector<char> used(static_cast<std::size_t>(centres.rows), 0);
-  for (const std::uint32_t row : nearest_rows(centres, points, num_threads).row) used[row] = 1;
+  for (const std::uint32_t row : nearest) used[row] = 1;
   std::vector<std::size_t> kept;
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (used[i]) kept.push_back(i);
@@ -58,10 +58,12 @@ Vocabulary train_k_means(const cv::Mat& descriptors, const KMeansOptions& option
   const cv::Mat points = float_descriptors(descriptors);
   const auto num_points = static_cast<std::size_t>(points.rows);
   cv::Mat centres = chosen_rows(points, sample_without_replacement(num_points, options.num_words, options.seed));
+  std::vector<std::uint32_t> assignment;
   double last_inertia = 0.0;
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
-    const NearestRows nearest = nearest_rows(centres, points, options.num_threads);
+    const NearestRows nearest = search_for(centres, points.rows).near(points, options.num_threads, assignment);
     const std::vector<std::size_t> sizes = move_to_means(centres, points, nearest.row, options.num_threads);
+    assignment = nearest.row;
     const std::size_t restarted = restart_empty(centres, sizes, points, nearest.squared_distance);
     const double inertia = std::accumulate(nearest.squared_distance.begin(), nearest.squared_distance.end(), 0.0);
     if (options.progress) {
@@ -72,7 +74,10 @@ Vocabulary train_k_means(const cv::Mat& descriptors, const KMeansOptions& option
     last_inertia = inertia;
   }
   if (options.progress) options.progress("k-means", 1, 1);
-  return {without_empty(centres, points, options.num_threads)};
+  assignment = search_for(centres, points.rows).nearest(points, options.num_threads, assignment).row;
+  move_to_means(centres, points, assignment, options.num_threads);
+  assignment = search_for(centres, points.rows).nearest(points, options.num_threads, assignment).row;
+  return {without_empty(centres, assignment)};
 }
 
 }  // namespace fabloop

@@ -40,8 +40,9 @@ void validate(const Model& model, const std::string& where);
 /// Throws InputError that says which option differs, when images described with `features` would not have the model's words.
 void require_features(const Model& model, const FeatureOptions& features);
 
-/// Reads a model file and validates all of it. Throws InputError naming the file when it is missing, truncated, of another
-/// kind or version, or holds anything invalid.
+/// Reads a model file and validates all of it. The words stay in the file, which is mapped: `vocabulary.words` and its copies
+/// keep the mapping alive, and writing to them does not change the file (see MappedFile). Throws InputError naming the file when
+/// it is missing, truncated, of another kind or version, or holds anything invalid.
 Model read_model(const std::filesystem::path& path);
 
 /// Writes a model file. The same model gives the same bytes. The file appears only when it is complete. Throws InputError

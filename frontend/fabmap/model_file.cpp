@@ -2,13 +2,13 @@
 #include <array>
 #include <bit>
 #include <cstring>
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "frontend/error.h"
 #include "frontend/fabmap/model.h"
+#include "frontend/mapped_file.h"
 #include "frontend/output_file.h"
 
 namespace fabloop {
@@ -122,85 +122,112 @@ Model model_of(const Json& header) {
   return model;
 }
 
-/// Room for what the header announces, or none when that does not fill exactly `size` bytes after the header. Nothing is
-/// allocated before the sizes are known to be those of the file.
-std::optional<Arrays> allocate(const Json& header, std::size_t size) {
+/// Where the arrays of a model file start in it, and how long they are.
+struct Layout {
+  std::size_t num_words = 0, dimensions = 0, num_background = 0, num_background_words = 0;
+  std::size_t words = 0, parent = 0, p = 0, p_if_parent = 0, p_if_no_parent = 0, background_starts = 0, background_words = 0;
+};
+
+/// The layout that the header announces, when it fills the file exactly. No array is touched before that is known.
+Layout layout_of(const Json& header, std::size_t begin, std::size_t file_size) {
   const auto number = [&](const char* name) {
     const auto value = header.at(name).get<std::uint64_t>();
-    return value <= size ? value : throw InputError("a size that is larger than the file");
+    return value <= file_size ? value : throw InputError("a size that is larger than the file");
   };
-  const std::uint64_t words = number("words"), dimensions = number("dimensions");
-  const std::uint64_t background = number("background"), background_words = number("background_words");
-  if (words == 0 || dimensions == 0 || words > size / sizeof(float) / dimensions) return std::nullopt;
-  const std::uint64_t expected = aligned(words * dimensions * sizeof(float)) + aligned(words * sizeof(std::uint32_t)) +
-                                 3 * aligned(words * sizeof(double)) + aligned((background + 1) * sizeof(std::uint64_t)) +
-                                 aligned(background_words * sizeof(std::uint32_t));
-  if (expected != size) return std::nullopt;
-  Arrays arrays;
-  arrays.words.resize(words * dimensions);
-  for (auto* array : {&arrays.p, &arrays.p_if_parent, &arrays.p_if_no_parent}) array->resize(words);
-  arrays.parent.resize(words);
-  arrays.background_starts.resize(background + 1);
-  arrays.background_words.resize(background_words);
-  return arrays;
+  Layout layout;
+  layout.num_words = number("words");
+  layout.dimensions = number("dimensions");
+  layout.num_background = number("background");
+  layout.num_background_words = number("background_words");
+  constexpr std::size_t kMaxRows = std::numeric_limits<int>::max();
+  if (layout.num_words == 0 || layout.dimensions == 0 || layout.num_words > file_size / sizeof(float) / layout.dimensions ||
+      layout.num_words > kMaxRows || layout.dimensions > kMaxRows) {
+    throw InputError("sizes that do not fit the file's (truncated?)");
+  }
+  std::size_t end = begin;
+  const auto next = [&](std::size_t count, std::size_t element_size) {
+    const std::size_t start = end;
+    end += aligned(count * element_size);
+    return start;
+  };
+  layout.words = next(layout.num_words * layout.dimensions, sizeof(float));
+  layout.parent = next(layout.num_words, sizeof(std::uint32_t));
+  layout.p = next(layout.num_words, sizeof(double));
+  layout.p_if_parent = next(layout.num_words, sizeof(double));
+  layout.p_if_no_parent = next(layout.num_words, sizeof(double));
+  layout.background_starts = next(layout.num_background + 1, sizeof(std::uint64_t));
+  layout.background_words = next(layout.num_background_words, sizeof(std::uint32_t));
+  if (end != file_size) throw InputError("sizes that do not fit the file's (truncated?)");
+  return layout;
 }
 
-void move_into(Model& model, const Arrays& arrays, int dimensions) {
-  const auto num_words = static_cast<int>(arrays.parent.size());
-  model.vocabulary.words = cv::Mat(num_words, dimensions, CV_32F);
-  std::memcpy(model.vocabulary.words.data, arrays.words.data(), arrays.words.size() * sizeof(float));
-  for (std::size_t i = 0; i < arrays.parent.size(); ++i) {
-    const auto parent = arrays.parent[i] == kRoot ? std::nullopt : std::optional(arrays.parent[i]);
-    model.tree.nodes.push_back({parent, arrays.p[i], arrays.p_if_parent[i], arrays.p_if_no_parent[i]});
-  }
-  for (std::size_t i = 0; i + 1 < arrays.background_starts.size(); ++i) {
-    const std::uint64_t begin = arrays.background_starts[i], end = arrays.background_starts[i + 1];
-    if (begin > end || end > arrays.background_words.size()) throw InputError("a background observation that ends nowhere");
-    const auto first = arrays.background_words.begin();
-    model.background.push_back({{first + static_cast<std::ptrdiff_t>(begin), first + static_cast<std::ptrdiff_t>(end)}});
-  }
+/// An array as it lies in the file: every array starts at a multiple of kAlignment, and so does the mapping.
+template <typename Number>
+const Number* array_at(const MappedFile& file, std::size_t offset) {
+  return reinterpret_cast<const Number*>(file.data() + offset);
 }
 
-Model parse(std::ifstream& stream, std::uint64_t file_size) {
-  std::array<char, kPrefixSize> prefix{};
-  if (!stream.read(prefix.data(), prefix.size())) throw InputError("a file too short for a fabloop model");
-  if (!std::equal(kMagic.begin(), kMagic.end(), prefix.begin())) throw InputError("something else than a fabloop model");
+ChowLiuTree tree_in(const MappedFile& file, const Layout& layout) {
+  const auto* parent = array_at<std::uint32_t>(file, layout.parent);
+  const auto* p = array_at<double>(file, layout.p);
+  const auto* p_if_parent = array_at<double>(file, layout.p_if_parent);
+  const auto* p_if_no_parent = array_at<double>(file, layout.p_if_no_parent);
+  ChowLiuTree tree;
+  tree.nodes.resize(layout.num_words);
+  for (std::size_t i = 0; i < layout.num_words; ++i) {
+    tree.nodes[i] = {parent[i] == kRoot ? std::nullopt : std::optional(parent[i]), p[i], p_if_parent[i], p_if_no_parent[i]};
+  }
+  return tree;
+}
+
+std::vector<Observation> background_in(const MappedFile& file, const Layout& layout) {
+  const auto* starts = array_at<std::uint64_t>(file, layout.background_starts);
+  const auto* words = array_at<std::uint32_t>(file, layout.background_words);
+  std::vector<Observation> background(layout.num_background);
+  for (std::size_t i = 0; i < layout.num_background; ++i) {
+    if (starts[i] > starts[i + 1] || starts[i + 1] > layout.num_background_words) {
+      throw InputError("a background observation that ends nowhere");
+    }
+    background[i].words.assign(words + starts[i], words + starts[i + 1]);
+  }
+  return background;
+}
+
+/// The header, and where it ends.
+std::pair<Json, std::size_t> header_in(const MappedFile& file) {
+  if (file.size() < kPrefixSize) throw InputError("a file too short for a fabloop model");
+  if (std::memcmp(kMagic.data(), file.data(), kMagic.size()) != 0) throw InputError("something else than a fabloop model");
   std::array<std::uint32_t, 2> numbers{};
-  std::memcpy(numbers.data(), prefix.data() + kMagic.size(), sizeof(numbers));
+  std::memcpy(numbers.data(), file.data() + kMagic.size(), sizeof(numbers));
   const auto [version, header_size] = numbers;
   if (version != kVersion) {
     throw InputError("model format " + std::to_string(version) + " where this program reads " + std::to_string(kVersion));
   }
-  if (header_size > file_size - kPrefixSize || (kPrefixSize + header_size) % kAlignment != 0) {
+  if (header_size > file.size() - kPrefixSize || (kPrefixSize + header_size) % kAlignment != 0) {
     throw InputError("a header that the file is too short for");
   }
-  std::string text(header_size, ' ');
-  stream.read(text.data(), header_size);
-  const Json header = Json::parse(text);
+  const auto* text = reinterpret_cast<const char*>(file.data() + kPrefixSize);
+  return {Json::parse(text, text + header_size), kPrefixSize + header_size};
+}
+
+Model parse(MappedFile file) {
+  const auto [header, end] = header_in(file);
   Model model = model_of(header);
-  std::optional<Arrays> arrays = allocate(header, file_size - kPrefixSize - header_size);
-  if (!arrays) throw InputError("sizes that do not fit the file's (truncated?)");
-  for_each_array(*arrays, [&](auto& array) {
-    const std::size_t size = array.size() * sizeof(array[0]);
-    std::array<char, kAlignment> padding{};
-    stream.read(reinterpret_cast<char*>(array.data()), static_cast<std::streamsize>(size));
-    stream.read(padding.data(), static_cast<std::streamsize>(aligned(size) - size));
-  });
-  if (!stream) throw InputError("an end before its time");
-  move_into(model, *arrays, header.at("dimensions").get<int>());
+  const Layout layout = layout_of(header, end, file.size());
+  model.tree = tree_in(file, layout);
+  model.background = background_in(file, layout);
+  model.vocabulary.words =
+      matrix_of(std::move(file), layout.words, static_cast<int>(layout.num_words), static_cast<int>(layout.dimensions), CV_32F);
   return model;
 }
 
 }  // namespace
 
 Model read_model(const std::filesystem::path& path) {
-  std::error_code error;
-  const std::uint64_t file_size = std::filesystem::file_size(path, error);
-  std::ifstream stream(path, std::ios::binary);
-  if (error || !stream) throw InputError(path.string() + ": cannot be read; give the file that `fabloop train` wrote");
+  MappedFile file(path);
   Model model;
   try {
-    model = parse(stream, file_size);
+    model = parse(std::move(file));
   } catch (const Json::exception&) {
     fail(path, "is not a valid model (its header cannot be understood)");
   } catch (const InputError& problem) {

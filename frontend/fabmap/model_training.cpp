@@ -8,6 +8,7 @@
 #include "frontend/error.h"
 #include "frontend/fabmap/sampling.h"
 #include "frontend/fabmap/vocabulary_training.h"
+#include "frontend/fabmap/word_finder.h"
 #include "frontend/parallel.h"
 
 namespace fabloop {
@@ -86,9 +87,10 @@ Vocabulary train_vocabulary(const cv::Mat& descriptors, const ModelTrainingOptio
 std::vector<Observation> observe_images(const Vocabulary& vocabulary, FirstLook look, const FeatureSource& features,
                                         const ModelTrainingOptions& options) {
   std::vector<Observation> observations(look.descriptors.size());
+  const WordFinder words(vocabulary);
   const auto observe_image = [&](std::size_t image) {
     const auto& kept = look.descriptors[image];
-    observations[image] = observe(vocabulary, kept ? *kept : features(image).descriptors);
+    observations[image] = words.observe(kept ? *kept : features(image).descriptors);
     look.descriptors[image].reset();
   };
   for_each_image(observations.size(), "finding words", options, observe_image, [](std::size_t) {});

@@ -21,9 +21,10 @@ struct KMeansOptions {
 };
 
 /// Words by k-means (Lloyd 1982) from a random choice of `descriptors` (N x D, as float_descriptors makes them). A word that
-/// loses all its descriptors starts again at the descriptor worst represented. Every word is the mean of at least one
-/// descriptor, so there are fewer than wanted where there are fewer different descriptors. Words of packed bits are means of
-/// bits. Throws InputError for no descriptors or no words wanted.
+/// loses all its descriptors starts again at the descriptor worst represented. Where there are many, each is compared with the
+/// word that it had and those of nearby cells (see RowSearch::near) until the end, and then with all. Every word is the mean of
+/// at least one descriptor, so there are fewer than wanted where there are fewer different descriptors. Words of packed bits are
+/// means of bits. Throws InputError for no descriptors or no words wanted.
 Vocabulary train_k_means(const cv::Mat& descriptors, const KMeansOptions& options = {});
 
 struct RadiusClusteringOptions {
@@ -36,8 +37,9 @@ struct RadiusClusteringOptions {
   Progress progress;
 };
 
-/// The descriptors, among `descriptors` (N x D) in random order, that are further than the radius from all chosen before.
+/// The descriptors, among `descriptors` (N x D) in an order by chance, that are further than the radius from all chosen before.
 /// So all are further than the radius apart, and every descriptor has one within the radius (to the rounding of floats).
+/// The order comes from the seed and the descriptors' own numbers, so that theirs does not matter.
 /// Throws InputError for no descriptors, a radius that is not positive, and more words than allowed.
 cv::Mat radius_centres(const cv::Mat& descriptors, const RadiusClusteringOptions& options);
 

@@ -4,13 +4,9 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <opencv2/core.hpp>
 #include <vector>
 
-#include "frontend/fabmap/chow_liu_training.h"
 #include "frontend/fabmap/place_recognizer.h"
-#include "frontend/fabmap/vocabulary.h"
-#include "frontend/fabmap/vocabulary_training.h"
 #include "tests/support/tree_sampling.h"
 
 namespace fabloop {
@@ -106,52 +102,6 @@ void add_place(benchmark::State& state) {
   for (auto _ : state) recognizer.add_place(observations[i++ % observations.size()]);
 }
 BENCHMARK(add_place)->Name("FabMapAddPlace")->ArgName("places")->Arg(10000)->Unit(benchmark::kMicrosecond);
-
-void chow_liu(benchmark::State& state) {
-  const auto num_words = static_cast<std::size_t>(state.range(0));
-  const ChowLiuTree truth = testing::random_tree(num_words, kMeanP, 4);
-  const std::vector<Observation> observations = testing::TreeSampler(truth, 4).draw(static_cast<std::size_t>(state.range(1)));
-  for (auto _ : state) benchmark::DoNotOptimize(train_chow_liu_tree(observations, num_words));
-}
-BENCHMARK(chow_liu)
-    ->Name("ChowLiu")
-    ->ArgNames({"words", "images"})
-    ->Args({1000, 1000})
-    ->Args({10000, 2500})
-    ->Unit(benchmark::kMillisecond);
-
-cv::Mat random_descriptors(int count, int dimensions, std::uint64_t seed) {
-  cv::Mat descriptors(count, dimensions, CV_32F);
-  cv::RNG(seed).fill(descriptors, cv::RNG::UNIFORM, 0.0, 1.0);
-  return descriptors;
-}
-
-void find_words(benchmark::State& state) {
-  const int dimensions = 128;
-  const Vocabulary vocabulary{random_descriptors(static_cast<int>(state.range(0)), dimensions, 5)};
-  const cv::Mat descriptors = random_descriptors(static_cast<int>(state.range(1)), dimensions, 6);
-  for (auto _ : state) benchmark::DoNotOptimize(nearest_words(vocabulary, descriptors));
-}
-BENCHMARK(find_words)
-    ->Name("NearestWords")
-    ->ArgNames({"words", "descriptors"})
-    ->Args({1000, 1000})
-    ->Args({10000, 1000})
-    ->Unit(benchmark::kMillisecond);
-
-void k_means(benchmark::State& state) {
-  const cv::Mat descriptors = random_descriptors(static_cast<int>(state.range(1)), 64, 7);
-  KMeansOptions options;
-  options.num_words = static_cast<std::size_t>(state.range(0));
-  for (auto _ : state) benchmark::DoNotOptimize(train_k_means(descriptors, options));
-}
-BENCHMARK(k_means)
-    ->Name("KMeans")
-    ->ArgNames({"words", "descriptors"})
-    ->Args({1000, 100000})
-    ->Iterations(1)
-    ->UseRealTime()
-    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace fabloop

@@ -4,11 +4,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <optional>
 #include <random>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 #include "frontend/error.h"
 #include "frontend/fabmap/chow_liu_training.h"
 #include "frontend/fabmap/chow_liu_tree.h"
+#include "frontend/fabmap/pair_tables.h"
 #include "tests/support/tree_sampling.h"
 
 namespace fabloop {
@@ -83,6 +89,116 @@ TEST(ChowLiu, DoesNotDependOnTheOrderOfImages) {
   const ChowLiuResult shuffled = train_chow_liu_tree(observations, 80);
   EXPECT_TRUE(are_equal(result.tree, shuffled.tree));
   EXPECT_EQ(result.mutual_information, shuffled.mutual_information);
+}
+
+/// Small random data with words that are never, always, equally often and always together seen: many ties.
+std::vector<Observation> observations_with_ties(std::size_t num_words, std::size_t num_images, std::uint64_t seed) {
+  std::mt19937_64 generator(seed);
+  std::vector<Observation> observations(num_images);
+  const std::size_t divisor = 1 + generator() % 6;
+  for (Observation& observation : observations) {
+    const std::uint64_t bits = generator();
+    for (WordId word = 0; word < num_words; ++word) {
+      const bool always = word % 7 == 3;
+      const bool never = word % 7 == 5;
+      const bool twin = word % 7 == 2;  // Of all its like.
+      const bool seen = twin ? (bits & 1) != 0 : generator() % (1 + divisor * (word % 3)) == 0;
+      if (always || (seen && !never)) observation.words.push_back(word);
+    }
+  }
+  return observations;
+}
+
+struct Edge {
+  WordId a = 0, b = 0;
+  double mutual_information = 0.0;
+};
+
+/// All pairs of words, straight from the definition.
+std::vector<Edge> all_edges(const std::vector<Observation>& observations, std::size_t num_words) {
+  std::vector<ImageCount> counts(num_words, 0);
+  std::vector<std::vector<ImageCount>> both(num_words, std::vector<ImageCount>(num_words, 0));
+  for (const Observation& observation : observations) {
+    for (const WordId a : observation.words) {
+      ++counts[a];
+      for (const WordId b : observation.words) ++both[a][b];
+    }
+  }
+  const PairTables tables(counts, static_cast<ImageCount>(observations.size()), 1.0);
+  std::vector<Edge> edges;
+  for (WordId a = 0; a < num_words; ++a) {
+    for (WordId b = 0; b < a; ++b) edges.push_back({a, b, tables.mutual_information(counts[a], counts[b])(both[a][b])});
+  }
+  return edges;
+}
+
+/// The strengths of the links of a maximum spanning tree, the strongest first: the same for all such trees (Kruskal 1956).
+std::vector<double> kruskal(std::vector<Edge> edges, std::size_t num_words) {
+  std::sort(edges.begin(), edges.end(), [](const Edge& x, const Edge& y) { return x.mutual_information > y.mutual_information; });
+  std::vector<WordId> group(num_words);
+  std::iota(group.begin(), group.end(), WordId{0});
+  std::vector<double> strengths;
+  for (const Edge& edge : edges) {
+    const WordId from = group[edge.a], to = group[edge.b];
+    if (from == to) continue;
+    std::replace(group.begin(), group.end(), from, to);
+    strengths.push_back(edge.mutual_information);
+  }
+  return strengths;
+}
+
+/// The parents that the rule for ties asks for: the best link out of the tree so far, lower words first, then lower parents.
+std::vector<std::optional<WordId>> prim(const std::vector<Edge>& edges, std::size_t num_words) {
+  std::vector<std::optional<WordId>> parents(num_words);
+  std::vector<char> inside(num_words, 0);
+  inside[0] = 1;
+  for (std::size_t step = 1; step < num_words; ++step) {
+    Edge best{0, 0, -std::numeric_limits<double>::infinity()};
+    for (Edge edge : edges) {
+      if (inside[edge.a] == inside[edge.b]) continue;
+      if (inside[edge.a]) std::swap(edge.a, edge.b);
+      const auto rank = [](const Edge& e) { return std::tuple(-e.mutual_information, e.a, e.b); };
+      if (rank(edge) < rank(best)) best = edge;
+    }
+    inside[best.a] = 1;
+    parents[best.a] = best.b;
+  }
+  return parents;
+}
+
+TEST(ChowLiu, IsTheMaximumSpanningTreeOfAllPairs) {
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    const std::size_t num_words = 1 + seed % 40;
+    const std::vector<Observation> observations = observations_with_ties(num_words, 1 + seed * 7 % 31, seed);
+    const std::vector<Edge> edges = all_edges(observations, num_words);
+    const ChowLiuTree tree = train_chow_liu_tree(observations, num_words).tree;
+    std::vector<double> strengths;
+    for (const Edge& edge : edges) {
+      const bool linked = tree.nodes[edge.a].parent == edge.b || tree.nodes[edge.b].parent == edge.a;
+      if (linked) strengths.push_back(edge.mutual_information);
+    }
+    // A link of no information at all may come out below zero by rounding, and is then cut.
+    std::vector<double> expected = kruskal(edges, num_words);
+    std::erase_if(expected, [](double strength) { return strength < 0.0; });
+    std::sort(strengths.rbegin(), strengths.rend());
+    EXPECT_EQ(strengths, expected) << seed;
+    const auto parents = prim(edges, num_words);
+    for (WordId word = 0; word < num_words; ++word) {
+      if (tree.nodes[word].parent) {
+        EXPECT_EQ(tree.nodes[word].parent, parents[word]) << seed << " " << word;
+      }
+    }
+  }
+}
+
+TEST(ChowLiu, IsTheMaximumSpanningTreeOfManyWords) {
+  // More words than one block of equal counts holds, most of which are seen together with few others.
+  constexpr std::size_t kNumWords = 700;
+  const std::vector<Observation> observations = TreeSampler(random_tree(kNumWords, 0.01, 8), 8).draw(60);
+  const std::vector<Edge> edges = all_edges(observations, kNumWords);
+  const std::vector<double> expected = kruskal(edges, kNumWords);
+  const double sum = std::accumulate(expected.begin(), expected.end(), 0.0);
+  EXPECT_NEAR(train_chow_liu_tree(observations, kNumWords).mutual_information, sum, 1e-9 * sum);
 }
 
 TEST(ChowLiu, TakesAllProbabilitiesFromOneTable) {

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "frontend/error.h"
 #include "frontend/fabmap/model_training.h"
@@ -70,6 +71,23 @@ TEST_F(ModelFile, ComesBackAsItWas) {
   EXPECT_EQ(read.provenance.num_descriptors, 123456789012u);
   write_model(path("b"), read);
   EXPECT_EQ(bytes_of(path("a")), bytes_of(path("b")));
+}
+
+TEST_F(ModelFile, KeepsItsWordsWhenTheFileIsReplaced) {
+  const Model model = some_model();
+  write_model(path("a"), model);
+  Vocabulary vocabulary;
+  {
+    Model read = read_model(path("a"));
+    Model other = some_model();
+    other.vocabulary.words.setTo(1.0);
+    write_model(path("a"), other);
+    vocabulary = std::move(read).vocabulary;
+  }
+  EXPECT_EQ(cv::norm(vocabulary.words, model.vocabulary.words, cv::NORM_INF), 0.0);
+  fs::remove(path("a"));
+  vocabulary.words.at<float>(0, 0) = 7.0F;
+  EXPECT_EQ(vocabulary.words.at<float>(0, 0), 7.0F);
 }
 
 TEST_F(ModelFile, IsRefusedWhenTruncatedAnywhere) {

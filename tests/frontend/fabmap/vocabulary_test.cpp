@@ -10,6 +10,7 @@
 #include "frontend/error.h"
 #include "frontend/fabmap/cluster_means.h"
 #include "frontend/fabmap/nearest_rows.h"
+#include "frontend/fabmap/sampling.h"
 #include "frontend/fabmap/vocabulary_training.h"
 #include "tests/support/descriptor_sampling.h"
 
@@ -111,6 +112,33 @@ TEST(KMeans, DoesNotDependOnThreadsAndRepeats) {
   EXPECT_FALSE(same_bytes(once.words, train_k_means(descriptors, options).words));
 }
 
+TEST(KMeans, IsAsGoodWithManyDescriptors) {
+  // So many that descriptors are compared with nearby words only: the end may be no worse than where each is compared with all.
+  constexpr int kNumWords = 1000, kNumDescriptors = 20000;
+  cv::Mat directions(6, 20, CV_32F), along(kNumDescriptors, 6, CV_32F);
+  cv::RNG(13).fill(directions, cv::RNG::NORMAL, 0.0, 1.0);
+  cv::RNG(14).fill(along, cv::RNG::NORMAL, 0.0, 1.0);
+  const cv::Mat descriptors = along * directions;
+  KMeansOptions options;
+  options.num_words = kNumWords;
+  options.max_iterations = 4;
+  const Vocabulary vocabulary = train_k_means(descriptors, options);
+  cv::Mat centres;
+  for (const std::size_t row : sample_without_replacement(kNumDescriptors, kNumWords, options.seed)) {
+    centres.push_back(descriptors.row(static_cast<int>(row)));
+  }
+  for (int iteration = 0; iteration < 5; ++iteration) {
+    move_to_means(centres, descriptors, nearest_rows(centres, descriptors, 1).row, 1);
+  }
+  const auto inertia = [&](const cv::Mat& words) {
+    double sum = 0.0;
+    for (const float distance : nearest_rows(words, descriptors, 1).squared_distance) sum += static_cast<double>(distance);
+    return sum;
+  };
+  constexpr double kMaxWorse = 1.005;  // A point in a hundred may have missed its nearest word until the end.
+  EXPECT_LT(inertia(vocabulary.words), kMaxWorse * inertia(centres));
+}
+
 TEST(KMeans, GivesNoEmptyWords) {
   cv::Mat descriptors = clustered_descriptors(3, 4, 3, 7);
   for (int i = 0; i < 6; ++i) descriptors.push_back(descriptors.row(i % 3).clone());
@@ -154,6 +182,18 @@ TEST(RadiusClustering, DoesNotDependOnThreads) {
   const Vocabulary once = train_radius_clustering(descriptors, options);
   options.num_threads = 3;
   EXPECT_TRUE(same_bytes(once.words, train_radius_clustering(descriptors, options).words));
+}
+
+TEST(RadiusClustering, DoesNotDependOnTheOrderOfDescriptors) {
+  const cv::Mat descriptors = clustered_descriptors(3000, 16, 3000, 12);
+  cv::Mat reversed;
+  cv::flip(descriptors, reversed, 0);
+  RadiusClusteringOptions options;
+  options.radius = 9.0;
+  const Vocabulary once = train_radius_clustering(descriptors, options);
+  EXPECT_TRUE(same_bytes(once.words, train_radius_clustering(reversed, options).words));
+  options.seed = 2;
+  EXPECT_FALSE(same_bytes(once.words, train_radius_clustering(descriptors, options).words));
 }
 
 TEST(RadiusClustering, RefusesRadiiThatMakeNoSense) {
