@@ -31,6 +31,8 @@ struct ImageSourceOptions {
   Warn warn{};          ///< Told about images that are skipped and about a video that ends early.
 };
 
+class ImageReader;
+
 /// Images one after the other, from a folder of images or a video. Appearance needs no calibration, so none is read. Memory is
 /// that of the images asked for at a time.
 class ImageSource {
@@ -55,12 +57,8 @@ class ImageSource {
   const std::vector<std::size_t>& damaged_frames() const { return damaged_frames_; }
 
  private:
-  class Reader;
-  class FolderReader;
-  class VideoReader;
-
   std::string name_;
-  std::unique_ptr<Reader> reader_;
+  std::unique_ptr<ImageReader> reader_;
   std::vector<std::size_t> damaged_frames_;
 };
 
