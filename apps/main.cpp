@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
+#include <cstdlib>
 #include <exception>
 #include <iostream>
 #include <new>
@@ -28,6 +29,7 @@ int main(int argc, char** argv) {
   add_demo_command(program, common);
   add_synth_command(program, common);
   add_train_command(program, common);
+  add_recognize_command(program, common);
   add_map_command(program, common);
   add_optimize_command(program, common);
   add_evaluate_command(program);
@@ -36,6 +38,8 @@ int main(int argc, char** argv) {
   cv::setNumThreads(1);
   // Its warnings about damaged images would interleave with ours, which name the file.
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+  // Likewise the video decoder's about damaged frames (-8: none); it has no other switch.
+  setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

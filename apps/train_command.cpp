@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
@@ -11,8 +12,9 @@
 
 #include "apps/command.h"
 #include "apps/progress_bar.h"
+#include "apps/run_report.h"
 #include "frontend/error.h"
-#include "frontend/fabmap/model_training.h"
+#include "frontend/fabmap/source_training.h"
 
 namespace fabloop::apps {
 namespace {
@@ -24,6 +26,8 @@ struct TrainArguments {
   std::string features = "sift";
   std::string method = "kmeans";
   std::optional<std::size_t> num_words;
+  ImageSourceOptions source{.if_damaged = IfDamaged::Refuse};
+  bool panorama = false;
   bool overwrite = false;
   ModelTrainingOptions options;
 };
@@ -46,6 +50,9 @@ std::string canonical_command(const TrainArguments& arguments) {
        << " --method " << arguments.method;
   if (arguments.num_words) text << " --words " << *arguments.num_words;
   if (arguments.options.method == VocabularyMethod::Radius) text << " --radius " << arguments.options.radius;
+  if (arguments.source.every > 1) text << " --every " << arguments.source.every;
+  if (arguments.source.max_images_per_s) text << " --rate " << *arguments.source.max_images_per_s;
+  if (arguments.panorama) text << " --panorama";
   text << " --seed " << arguments.options.seed;
   return text.str();
 }
@@ -59,6 +66,32 @@ void print_summary(const std::string& out, const TrainingSummary& summary) {
             << " nats an image as mutual information\n";
 }
 
+/// Whether the images must be taken one after the other instead of at will.
+bool needs_sources(const TrainArguments& arguments) {
+  if (arguments.panorama || arguments.source.every > 1 || arguments.source.max_images_per_s) return true;
+  return std::any_of(arguments.sequences.begin(), arguments.sequences.end(),
+                     [](const std::string& path) { return std::filesystem::is_regular_file(path); });
+}
+
+TrainedModel train_on_sources(const TrainArguments& arguments, const Warn& warn) {
+  ImageSourceOptions source_options = arguments.source;
+  source_options.num_threads = arguments.options.num_threads;
+  source_options.warn = warn;
+  std::vector<ImageSource> sources;
+  for (const std::string& path : arguments.sequences) sources.emplace_back(path, source_options);
+  const SourceTrainingOptions options{arguments.panorama ? ImageShape::Panorama : ImageShape::Plain,
+                                      arguments.out + ".descriptors"};
+  return train_model(sources, options, arguments.options);
+}
+
+TrainedModel train_on_sequences(const TrainArguments& arguments, const Warn& warn) {
+  std::vector<Sequence> sequences;
+  for (const std::string& folder : arguments.sequences) {
+    sequences.push_back(read_sequence(folder, {.camera = arguments.camera, .warn = warn}));
+  }
+  return train_model(sequences, arguments.options);
+}
+
 void run_train(TrainArguments& arguments, const CommonOptions& common) {
   require_writable(arguments.out, arguments.overwrite);
   ModelTrainingOptions& options = arguments.options;
@@ -67,13 +100,9 @@ void run_train(TrainArguments& arguments, const CommonOptions& common) {
   options.num_words = arguments.num_words;
   options.num_threads = common.num_threads;
   options.command = canonical_command(arguments);
-  SequenceOptions sequence_options;
-  sequence_options.camera = arguments.camera;
-  if (!common.quiet) sequence_options.warn = [](const std::string& message) { std::cerr << "note: " << message << '\n'; };
-  std::vector<Sequence> sequences;
-  for (const std::string& folder : arguments.sequences) sequences.push_back(read_sequence(folder, sequence_options));
   options.progress = make_progress(common);
-  const TrainedModel trained = train_model(sequences, options);
+  const Warn warn = make_warn(common);
+  const TrainedModel trained = needs_sources(arguments) ? train_on_sources(arguments, warn) : train_on_sequences(arguments, warn);
   write_model(arguments.out, trained.model);
   print_summary(arguments.out, trained.summary);
 }
@@ -84,10 +113,18 @@ void add_train_command(CLI::App& program, const CommonOptions& common) {
   const auto arguments = std::make_shared<TrainArguments>();
   ModelTrainingOptions& options = arguments->options;
   CLI::App* command = program.add_subcommand("train", "Learn the visual words of a kind of scene, and which are seen together");
-  command->add_option("SEQUENCE", arguments->sequences, "folders of images like those to be recognised, best of other places")
+  command
+      ->add_option("SEQUENCE", arguments->sequences,
+                   "folders of images like those to be recognised, or videos, best of other places")
       ->required();
   command->add_option("--out", arguments->out, "model file to write")->required();
   command->add_option("--camera", arguments->camera, "calibration file of all sequences (default: camera.yaml, else EXIF)");
+  command->add_option("--every", arguments->source.every, "take only every Nth image")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--rate", arguments->source.max_images_per_s, "take at most so many images a second of the sequence's time")
+      ->check(CLI::PositiveNumber);
+  command->add_flag("--panorama", arguments->panorama, "the images show 360 degrees: their left and right edges are neighbours");
   command->add_option("--features", arguments->features, "what to detect")
       ->check(CLI::IsMember({"sift", "orb", "akaze"}))
       ->capture_default_str();

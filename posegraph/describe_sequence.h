@@ -8,15 +8,10 @@
 
 #include "frontend/features/feature_extractor.h"
 #include "frontend/progress.h"
+#include "frontend/sequence/if_damaged.h"
 #include "frontend/sequence/sequence.h"
 
 namespace fabloop {
-
-/// What to do with an image that cannot be read.
-enum class IfDamaged {
-  Skip,    ///< Warn, count and go on.
-  Refuse,  ///< Throw InputError.
-};
 
 struct DescribeOptions {
   FeatureOptions features;

@@ -51,17 +51,12 @@ JudgedLoop judge(const LoopRecord& record, const LoopTruth& truth, const LoopEva
 
   const auto [first, second] = std::minmax(record.query, record.match);
   const bool near_in_time = second - first <= options.exclusion_window;
-  PairTruth pair;
-  if (truth.pairs) {
-    const auto found = truth.pairs->find({first, second});
-    if (found != truth.pairs->end()) pair = found->second;
-  }
-  const bool has_inliers = pair.num_inliers >= options.min_true_inliers;
-  if (truth.pairs && !near_in_time && pair.overlap < options.max_false_overlap && !has_inliers) {
+  const MatchTruth pair = truth.pairs ? judge_pair(pair_between(*truth.pairs, first, second), options.pairs) : MatchTruth::True;
+  if (pair == MatchTruth::False && !near_in_time) {
     loop.judgement = LoopJudgement::FalsePair;
   } else if (!agrees) {
     loop.judgement = LoopJudgement::FalsePose;
-  } else if (!truth.pairs || near_in_time || has_inliers || pair.overlap >= options.min_true_overlap) {
+  } else if (pair == MatchTruth::True || near_in_time) {
     loop.judgement = LoopJudgement::True;
   } else {
     loop.judgement = LoopJudgement::UnclearPair;
@@ -89,8 +84,7 @@ double pair_recall(const std::vector<JudgedLoop>& loops, const LoopTruth& truth,
   std::size_t num_wanted = 0;
   std::size_t num_found = 0;
   for (const auto& [frames, pair] : *truth.pairs) {
-    const bool is_true = pair.overlap >= options.min_true_overlap || pair.num_inliers >= options.min_true_inliers;
-    if (!is_true || frames.second - frames.first <= options.exclusion_window) continue;
+    if (judge_pair(pair, options.pairs) != MatchTruth::True || frames.second - frames.first <= options.exclusion_window) continue;
     ++num_wanted;
     num_found += found.count(frames);
   }
@@ -135,9 +129,7 @@ LoopEvaluation evaluate_loops(const std::vector<LoopRecord>& records, const Loop
 std::string recipe(const LoopTruth& truth, const LoopEvaluationOptions& options) {
   std::ostringstream text;
   if (truth.pairs) {
-    text << "a pair is true with overlap >= " << options.min_true_overlap << " or >= " << options.min_true_inliers
-         << " inliers, false with overlap < " << options.max_false_overlap
-         << " and fewer inliers, else not judged; frames within " << options.exclusion_window << " are not judged as pairs; ";
+    text << in_words(options.pairs) << "; frames within " << options.exclusion_window << " are not judged as pairs; ";
   } else {
     text << "no pairs are known, so loops are judged by their poses alone; ";
   }

@@ -27,9 +27,7 @@ struct LoopEvaluationOptions {
   double max_translation_error = 0.10;  ///< Part of the height above ground; more is a false pose.
   double max_direction_error_deg =
       15.0;                           ///< For loops without scale, where the true baseline is longer than the last line allows.
-  double min_true_overlap = 0.2;      ///< A pair with this overlap is true,
-  std::size_t min_true_inliers = 15;  ///< as is one with this many inliers of an independent match.
-  double max_false_overlap = 0.05;    ///< A pair below this overlap and below `min_true_inliers` is false.
+  PairRules pairs;                    ///< Which pairs are true and which false.
   std::size_t exclusion_window = 10;  ///< Frames no further apart than this are not judged as pairs.
   double min_recall_overlap = 0.3;    ///< Queries that have a pair with this overlap are wanted: the recall's denominator.
 };

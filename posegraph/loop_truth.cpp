@@ -3,67 +3,15 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
-#include <fstream>
-#include <functional>
-#include <string_view>
 
+#include "frontend/csv_lines.h"
 #include "frontend/error.h"
 
 namespace fabloop {
 namespace {
 
-using Fields = std::vector<std::string>;
-
-Fields split(const std::string& line) {
-  Fields fields;
-  for (std::size_t start = 0; start <= line.size();) {
-    const std::size_t comma = std::min(line.find(',', start), line.size());
-    std::string field = line.substr(start, comma - start);
-    field.erase(0, field.find_first_not_of(" \t\r"));
-    field.erase(field.find_last_not_of(" \t\r") + 1);
-    fields.push_back(std::move(field));
-    start = comma + 1;
-  }
-  return fields;
-}
-
-/// Throws InputError at a line of a file.
-using Fail = std::function<void(const std::string& what)>;
-
-/// Calls `read` with the fields of each line that is neither empty nor a comment.
-void for_each_line(const std::filesystem::path& path, const std::function<void(const Fields&, const Fail&)>& read) {
-  std::ifstream file(path);
-  if (!file) throw InputError(path.string() + ": cannot be read; does the file exist?");
-  std::string line;
-  for (int number = 1; std::getline(file, line); ++number) {
-    if (line.find_first_not_of(" \t\r") == std::string::npos || line.front() == '#') continue;
-    const Fail fail = [&](const std::string& what) {
-      throw InputError(path.string() + ":" + std::to_string(number) + ": " + what);
-    };
-    read(split(line), fail);
-  }
-}
-
-std::size_t parse_position(const std::string& text, const Fail& fail) {
-  std::size_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size())
-    fail("'" + text + "' is not a whole number; give a position from 0");
-  return value;
-}
-
-double parse_number(const std::string& text, const Fail& fail) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
-    fail("'" + text + "' is not a finite number; correct or remove the line");
-  }
-  return value;
-}
-
-bool parse_flag(const std::string& text, const Fail& fail) {
+bool parse_flag(const std::string& text, const CsvFail& fail) {
   if (text == "1" || text == "true") return true;
   if (text != "0" && text != "false" && !text.empty()) fail("'" + text + "' is not 0 or 1");
   return false;
@@ -75,7 +23,7 @@ constexpr std::array<const char*, 11> kLoopColumns = {"query", "match", "verdict
 /// Which field each of kLoopColumns is.
 using LoopLayout = std::array<std::size_t, kLoopColumns.size()>;
 
-LoopLayout read_head(const Fields& head, const Fail& fail) {
+LoopLayout read_head(const CsvFields& head, const CsvFail& fail) {
   LoopLayout layout{};
   for (std::size_t i = 0; i < kLoopColumns.size(); ++i) {
     const auto found = std::find(head.begin(), head.end(), kLoopColumns[i]);
@@ -88,7 +36,7 @@ LoopLayout read_head(const Fields& head, const Fail& fail) {
   return layout;
 }
 
-LoopRecord read_loop(const Fields& fields, const LoopLayout& layout, const Fail& fail) {
+LoopRecord read_loop(const CsvFields& fields, const LoopLayout& layout, const CsvFail& fail) {
   constexpr double kMaxQuaternionNormError = 1e-2;
   const auto field = [&](std::size_t column) -> const std::string& { return fields[layout[column]]; };
   LoopRecord record;
@@ -113,7 +61,7 @@ std::vector<LoopRecord> read_loops(const std::filesystem::path& path) {
   std::optional<LoopLayout> layout;
   std::size_t num_columns = 0;
   std::vector<LoopRecord> records;
-  for_each_line(path, [&](const Fields& fields, const Fail& fail) {
+  for_each_csv_line(path, [&](const CsvFields& fields, const CsvFail& fail) {
     if (!layout) {
       layout = read_head(fields, fail);
       num_columns = fields.size();
@@ -131,7 +79,7 @@ std::vector<LoopRecord> read_loops(const std::filesystem::path& path) {
 std::vector<std::int64_t> read_frame_times(const std::filesystem::path& path) {
   std::vector<std::int64_t> times_ns;
   bool first = true;
-  for_each_line(path, [&](const Fields& fields, const Fail& fail) {
+  for_each_csv_line(path, [&](const CsvFields& fields, const CsvFail& fail) {
     const auto time_ns = fields.size() >= 2 ? nanoseconds_from_seconds(fields[1]) : std::nullopt;
     // A head line without '#' has no time in it.
     if (!time_ns && !first) fail("has no time; a line is 'filename,timestamp_s'");
@@ -140,20 +88,6 @@ std::vector<std::int64_t> read_frame_times(const std::filesystem::path& path) {
   });
   if (times_ns.empty()) throw InputError(path.string() + ": has no frames; a line is 'filename,timestamp_s'");
   return times_ns;
-}
-
-std::map<std::pair<std::size_t, std::size_t>, PairTruth> read_pairs(const std::filesystem::path& path) {
-  std::map<std::pair<std::size_t, std::size_t>, PairTruth> pairs;
-  for_each_line(path, [&](const Fields& fields, const Fail& fail) {
-    if (fields.size() < 4) fail("has fewer than 4 columns; a line is 'i,j,distance,overlap,inliers'");
-    const std::size_t a = parse_position(fields[0], fail);
-    const std::size_t b = parse_position(fields[1], fail);
-    PairTruth truth;
-    if (!fields[3].empty()) truth.overlap = parse_number(fields[3], fail);
-    if (fields.size() > 4 && !fields[4].empty()) truth.num_inliers = parse_position(fields[4], fail);
-    pairs[{std::min(a, b), std::max(a, b)}] = truth;
-  });
-  return pairs;
 }
 
 LoopTruth read_loop_truth(const std::filesystem::path& sequence_folder, double max_time_difference_s) {

@@ -4,12 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "frontend/fabmap/pair_truth.h"
 #include "frontend/geometry/pose.h"
 #include "frontend/sequence/trajectory.h"
 
@@ -26,17 +25,11 @@ struct LoopRecord {
   bool accepted() const;
 };
 
-/// What a truth says about a pair of frames.
-struct PairTruth {
-  double overlap = 0.0;         ///< Part of the smaller footprint that both see, in [0, 1].
-  std::size_t num_inliers = 0;  ///< Of an independent match; 0 where none was tried.
-};
-
 /// What loops are judged against.
 struct LoopTruth {
   std::vector<std::optional<Pose>> world_from_camera;  ///< Reference pose of each frame, where known.
   /// Pairs (i, j), i < j, by frame positions; an absent pair has no overlap. None: pairs are judged by their poses alone.
-  std::optional<std::map<std::pair<std::size_t, std::size_t>, PairTruth>> pairs;
+  std::optional<PairTruths> pairs;
 };
 
 /// Reads `loops.csv`: columns by the names in its head line, in any order; the pose may be empty where nothing was accepted.
@@ -46,9 +39,6 @@ std::vector<LoopRecord> read_loops(const std::filesystem::path& path);
 /// Reads lines `filename,timestamp_s` (`frames.csv`, `track.csv`): the time of each frame [ns], in the order of the lines.
 /// Throws InputError naming file and line.
 std::vector<std::int64_t> read_frame_times(const std::filesystem::path& path);
-
-/// Reads `pairs.csv` lines `i,j,distance,overlap,inliers` (the last two may be empty). Throws InputError naming file and line.
-std::map<std::pair<std::size_t, std::size_t>, PairTruth> read_pairs(const std::filesystem::path& path);
 
 /// The truth of a sequence folder: `reference.tum`, the frames of `frames.csv` or `track.csv`, and `pairs.csv` where there is
 /// one. Throws InputError naming the file that is missing or bad.

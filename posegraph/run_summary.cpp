@@ -3,16 +3,14 @@
 
 #include <ceres/version.h>
 
-#include <algorithm>
-#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <opencv2/core/version.hpp>
 #include <string>
 #include <vector>
 
 #include "frontend/output_file.h"
+#include "frontend/stage_times.h"
 #include "posegraph/run_folder.h"
 
 namespace fabloop {
@@ -20,20 +18,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// The value below which a share of the sorted values lies (nearest rank).
-double percentile(const std::vector<double>& sorted, double share) {
-  if (sorted.empty()) return 0;
-  const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(sorted.size())));
-  return sorted[std::min(sorted.size() - 1, rank == 0 ? 0 : rank - 1)];
-}
-
-Json stage(std::vector<double> seconds) {
-  std::sort(seconds.begin(), seconds.end());
-  return {{"count", seconds.size()},
-          {"p50_ms", 1e3 * percentile(seconds, 0.50)},
-          {"p99_ms", 1e3 * percentile(seconds, 0.99)},
-          {"max_ms", seconds.empty() ? 0.0 : 1e3 * seconds.back()},
-          {"total_s", std::accumulate(seconds.begin(), seconds.end(), 0.0)}};
+Json stage(const std::vector<double>& seconds) {
+  const StageTimes times = stage_times(seconds);
+  return {{"count", times.count},
+          {"p50_ms", times.p50_ms},
+          {"p99_ms", times.p99_ms},
+          {"max_ms", times.max_ms},
+          {"total_s", times.total_s}};
 }
 
 Json timings(const MapTimes& times) {

@@ -51,6 +51,25 @@ Prior without_recent_places(Prior prior, std::size_t num_places) {
   return prior;
 }
 
+Belief without_recent_places(Belief belief, std::size_t num_places) {
+  constexpr double kImpossible = -std::numeric_limits<double>::infinity();
+  const std::size_t kept = belief.log_p_place.size() - std::min(num_places, belief.log_p_place.size());
+  std::fill(belief.log_p_place.begin() + static_cast<std::ptrdiff_t>(kept), belief.log_p_place.end(), kImpossible);
+  // From logarithms, since what is left may have underflowed beside what is ruled out.
+  double highest = belief.log_p_new;
+  for (const double log_p : belief.log_p_place) highest = std::max(highest, log_p);
+  if (!std::isfinite(highest)) highest = belief.log_p_new = 0.0;
+  const double sum = std::exp(belief.log_p_new - highest) + exp_of_differences(belief.log_p_place, highest, belief.p_place);
+  const double log_total = highest + std::log(sum);
+  belief.log_p_new -= log_total;
+  belief.p_new = std::exp(belief.log_p_new);
+  for (std::size_t i = 0; i < belief.p_place.size(); ++i) {
+    belief.p_place[i] /= sum;
+    belief.log_p_place[i] -= log_total;
+  }
+  return belief;
+}
+
 Belief smoothed(Belief belief, double trust) {
   if (!(trust >= 0.0 && trust <= 1.0)) throw InputError("the trust in a belief is " + std::to_string(trust) + "; give 0 to 1");
   if (trust == 1.0) return belief;

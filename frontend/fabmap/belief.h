@@ -36,6 +36,10 @@ Prior uniform_prior(std::size_t num_places, double p_new = 0.5);
 /// A camera sees the places that it just left, and they would eat the probability of a true revisit.
 Prior without_recent_places(Prior prior, std::size_t num_places);
 
+/// The belief given that the camera is at none of the `num_places` most recent places: they get zero, the rest is scaled to sum
+/// to one. Where nothing is left, the camera is at a new place. Log-likelihoods stay.
+Belief without_recent_places(Belief belief, std::size_t num_places);
+
 /// The belief mixed with total ignorance: `trust` of it, and the rest equally over all places and the new one (after the
 /// smoothing of Cummins & Newman 2008; openFABMAP's sFactor is 0.99). Words are not as independent as the model takes them, so a
 /// belief is surer of itself than it should be. Log-likelihoods stay. Throws InputError unless `trust` is in [0, 1].

@@ -18,14 +18,6 @@ constexpr std::array<std::string_view, 9> kExtensions{".jpg", ".jpeg", ".png", "
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-bool has_image_extension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
-}
-
 /// Takes a run of digits from the front, without its leading zeros.
 std::string_view take_number(std::string_view& text) {
   std::size_t end = 0;
@@ -57,12 +49,20 @@ bool name_less(const std::string& name_a, const std::string& name_b) {
 
 }  // namespace
 
+bool is_image_file(const fs::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
+}
+
 std::vector<fs::path> list_images(const fs::path& folder) {
   std::vector<fs::path> images;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     std::error_code ignored;
-    if (has_image_extension(entry->path()) && entry->is_regular_file(ignored)) images.push_back(entry->path());
+    if (is_image_file(entry->path()) && entry->is_regular_file(ignored)) images.push_back(entry->path());
   }
   std::sort(images.begin(), images.end(),
             [](const fs::path& a, const fs::path& b) { return name_less(a.filename().string(), b.filename().string()); });

@@ -5,21 +5,19 @@
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
+#include <utility>
 
 #include "frontend/error.h"
 #include "frontend/sequence/association.h"
 #include "frontend/sequence/camera_yaml.h"
 #include "frontend/sequence/exif.h"
-#include "frontend/sequence/frames_csv.h"
-#include "frontend/sequence/image_folder.h"
+#include "frontend/sequence/stamped_images.h"
 #include "frontend/sequence/trajectory.h"
 
 namespace fabloop {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 
 void warn(const SequenceOptions& options, const std::string& message) {
   if (options.warn) options.warn(message);
@@ -30,68 +28,6 @@ std::string number_text(double value) {
   std::ostringstream text;
   text << value;
   return text.str();
-}
-
-std::string name_of(const fs::path& folder) {
-  const fs::path normal = fs::absolute(folder).lexically_normal();
-  return normal.has_filename() ? normal.filename().string() : normal.parent_path().filename().string();
-}
-
-void require_folder(const fs::path& folder) {
-  std::error_code error;
-  if (!fs::exists(folder, error))
-    throw InputError(folder.string() + ": there is no such folder; give the folder that holds the images");
-  if (!fs::is_directory(folder, error)) throw InputError(folder.string() + ": is a file; give the folder that holds the images");
-}
-
-/// Frames of the images that the csv names, looked for beside the others and in the sequence's folder.
-std::vector<Frame> frames_from_csv(const fs::path& csv, const std::vector<fs::path>& images, const SequenceOptions& options) {
-  std::vector<Frame> frames;
-  const fs::path image_folder = images.front().parent_path();
-  for (const StampedImage& image : read_frames_csv(csv)) {
-    fs::path path = image_folder / image.filename;
-    if (!fs::exists(path)) path = csv.parent_path() / image.filename;
-    if (!fs::exists(path)) {
-      throw InputError(csv.string() + ":" + std::to_string(image.line) + ": there is no image '" + image.filename + "' in " +
-                       image_folder.string() + "; copy it there or remove the line");
-    }
-    frames.push_back({path, image.time_ns, {}, {}});
-  }
-  if (frames.size() < images.size()) {
-    warn(options, csv.string() + ": lists " + std::to_string(frames.size()) + " of " + std::to_string(images.size()) +
-                      " images; the others are left out");
-  }
-  return frames;
-}
-
-/// Frames stamped by their file names where all of these are times, else 1 s apart.
-std::vector<Frame> frames_from_names(const std::vector<fs::path>& images) {
-  std::vector<Frame> frames;
-  for (const fs::path& image : images) {
-    if (const auto time_ns = time_from_filename(image)) frames.push_back({image, *time_ns, {}, {}});
-  }
-  std::stable_sort(frames.begin(), frames.end(), [](const Frame& a, const Frame& b) { return a.time_ns < b.time_ns; });
-  const bool has_a_time_twice = std::adjacent_find(frames.begin(), frames.end(), [](const Frame& a, const Frame& b) {
-                                  return a.time_ns == b.time_ns;
-                                }) != frames.end();
-  if (frames.size() == images.size() && !has_a_time_twice) return frames;
-  frames.clear();
-  for (const fs::path& image : images) {
-    frames.push_back({image, static_cast<std::int64_t>(frames.size()) * kNanosecondsPerSecond, {}, {}});
-  }
-  return frames;
-}
-
-std::vector<Frame> list_frames(const fs::path& folder, const SequenceOptions& options) {
-  std::vector<fs::path> images = list_images(folder / "images");
-  if (images.empty()) images = list_images(folder);
-  if (images.empty()) {
-    throw InputError(folder.string() + ": holds no images (jpg, png, tif, bmp, pgm, ppm, webp), nor does its folder images/");
-  }
-  for (const char* name : {"frames.csv", "track.csv"}) {
-    if (fs::exists(folder / name)) return frames_from_csv(folder / name, images, options);
-  }
-  return frames_from_names(images);
 }
 
 Camera find_camera(const fs::path& folder, const fs::path& first_image, const SequenceOptions& options) {
@@ -150,10 +86,11 @@ Sequence read_sequence(const fs::path& folder, const SequenceOptions& options) {
   if (!(options.max_time_difference_s >= 0 && options.max_time_difference_s < 1e9)) {
     throw InputError("max_time_difference_s is " + number_text(options.max_time_difference_s) + "; give 0 or more seconds");
   }
-  require_folder(folder);
   Sequence sequence;
-  sequence.name = name_of(folder);
-  sequence.frames = list_frames(folder, options);
+  for (StampedPath& image : list_stamped_images(folder, options.warn)) {
+    sequence.frames.push_back({std::move(image.path), image.time_ns, {}, {}});
+  }
+  sequence.name = sequence_name(folder);
   sequence.camera = find_camera(folder, sequence.frames.front().image_path, options);
   if (!options.odometry.empty()) read_odometry(options.odometry, options, sequence.frames);
   const bool has_reference = fs::exists(folder / "reference.tum");

@@ -39,14 +39,15 @@ struct SequenceOptions {
   Warn warn{};  ///< Told about anything that a user should know (an EXIF guess, frames without odometry, ...).
 };
 
-/// Reads what describes a sequence; images are read later, one by one. `folder` holds images itself or in `images/`; stamps
-/// come from `frames.csv` or `track.csv` (`filename,timestamp_s`), else from file names that are numbers of seconds or
-/// nanoseconds, else frames are 1 s apart in the order of their names. Throws InputError: folder missing or empty, no
-/// calibration, a bad line, odometry that overlaps no image in time.
+/// Reads what describes a sequence; images are read later, one by one. Images and stamps are found as by list_stamped_images.
+/// Throws InputError: folder missing or empty, no calibration, a bad line, odometry that overlaps no image in time.
 Sequence read_sequence(const std::filesystem::path& folder, const SequenceOptions& options = {});
 
 /// The image as 8-bit grey (`CV_8UC1`). Throws InputError naming the file when it is missing, truncated, damaged or of
 /// another size than the camera's.
 cv::Mat read_gray_image(const std::filesystem::path& image_path, const Camera& camera);
+
+/// The same for an image of any size, where no calibration is needed.
+cv::Mat read_gray_image(const std::filesystem::path& image_path);
 
 }  // namespace fabloop

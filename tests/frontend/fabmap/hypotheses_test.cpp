@@ -36,6 +36,21 @@ TEST(RankedHypotheses, LeavesRecentPlacesOutOfTheNormalisation) {
   EXPECT_NEAR(ranked[0].probability, without.p_place[0], kRounding);
 }
 
+TEST(WithoutRecentPlaces, OfABeliefIsAsOfItsPrior) {
+  const Prior prior = {0.2, {0.1, 0.3, 0.15, 0.25}};
+  for (const double log_likelihood_recent : {-1.0, 900.0}) {
+    const std::vector<double> log_likelihood = {-20.0, -22.0, log_likelihood_recent, log_likelihood_recent};
+    const Belief of_belief = without_recent_places(posterior(prior, log_likelihood, -21.0), 2);
+    const Belief of_prior = posterior(without_recent_places(prior, 2), log_likelihood, -21.0);
+    EXPECT_NEAR(of_belief.p_new, of_prior.p_new, kRounding);
+    EXPECT_NEAR(of_belief.log_p_new, of_prior.log_p_new, kRounding);
+    for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(of_belief.log_p_place[i], of_prior.log_p_place[i], kRounding);
+    EXPECT_EQ(of_belief.p_place[3], 0.0);
+    EXPECT_EQ(of_belief.log_likelihood, log_likelihood);
+  }
+  EXPECT_EQ(without_recent_places(posterior(prior, {0, 0, 0, 0}, -1e9), 7).p_new, 1.0);
+}
+
 TEST(RankedHypotheses, OrdersByLogLikelihoodWhereProbabilitiesUnderflow) {
   const Belief belief = posterior(uniform_prior(4), {-5000.0, -4000.0, -6000.0, 0.0}, -4001.0);
   EXPECT_EQ(belief.p_place[1], 0.0);

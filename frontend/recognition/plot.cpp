@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "frontend/recognition/plot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <sstream>
+
+#include "frontend/error.h"
+#include "frontend/output_file.h"
+
+namespace fabloop {
+namespace plot {
+namespace {
+
+constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
+constexpr int kTickLength = 5;
+
+int text_height(double size) { return cv::getTextSize("0", kFont, size, 1, nullptr).height; }
+
+int rounded(double value) { return static_cast<int>(std::lround(value)); }
+
+}  // namespace
+
+std::vector<double> ticks(double low, double high, int wanted) {
+  std::vector<double> result;
+  if (!(high > low)) return {low};
+  const double power = std::pow(10.0, std::floor(std::log10((high - low) / wanted)));
+  double step = 10.0 * power;
+  for (const double factor : {5.0, 2.0, 1.0}) {
+    if ((high - low) / (factor * power) <= wanted + 1) step = factor * power;
+  }
+  constexpr double kRounding = 1e-9;
+  for (double i = std::ceil(low / step - kRounding); i * step <= high + kRounding * step; ++i) result.push_back(i * step);
+  return result;
+}
+
+std::string tick_text(double value) {
+  constexpr double kZero = 1e-12;
+  std::ostringstream text;
+  text.precision(6);
+  text << (std::abs(value) < kZero ? 0.0 : value);
+  return text.str();
+}
+
+int text_width(const std::string& text, double size) { return cv::getTextSize(text, kFont, size, 1, nullptr).width; }
+
+void write(cv::Mat& picture, const std::string& text, const cv::Point& at, double align, double size) {
+  const int left = at.x - rounded(align * text_width(text, size));
+  cv::putText(picture, text, {left, at.y}, kFont, size, kInk, 1, cv::LINE_AA);
+}
+
+void write_upwards(cv::Mat& picture, const std::string& text, const cv::Point& centre, double size) {
+  const int width = text_width(text, size);
+  const int height = 2 * text_height(size);
+  cv::Mat line(height, width, CV_8UC3, kPaper);
+  write(line, text, {0, height * 3 / 4}, 0.0, size);
+  cv::rotate(line, line, cv::ROTATE_90_COUNTERCLOCKWISE);
+  const cv::Rect wanted(centre.x - line.cols / 2, centre.y - line.rows / 2, line.cols, line.rows);
+  const cv::Rect visible = wanted & cv::Rect(0, 0, picture.cols, picture.rows);
+  if (!visible.empty()) line(visible - wanted.tl()).copyTo(picture(visible));
+}
+
+void draw_axes(cv::Mat& picture, const Axis& x, const Axis& y) {
+  const int left = std::min(x.begin, x.end), right = std::max(x.begin, x.end);
+  const int top = std::min(y.begin, y.end), bottom = std::max(y.begin, y.end);
+  cv::rectangle(picture, {left - 1, top - 1}, {right, bottom}, kInk);
+  for (const double value : ticks(x.low, x.high)) {
+    const int at = rounded(x.pixel(value));
+    cv::line(picture, {at, bottom}, {at, bottom + kTickLength}, kInk);
+    write(picture, tick_text(value), {at, bottom + kTickLength + 16}, 0.5);
+  }
+  int widest = 0;
+  for (const double value : ticks(y.low, y.high)) {
+    const int at = rounded(y.pixel(value));
+    cv::line(picture, {left - 1 - kTickLength, at}, {left - 1, at}, kInk);
+    write(picture, tick_text(value), {left - kTickLength - 5, at + text_height(kLabelSize) / 2}, 1.0);
+    widest = std::max(widest, text_width(tick_text(value)));
+  }
+  write(picture, x.label, {(left + right) / 2, bottom + kTickLength + 38}, 0.5);
+  write_upwards(picture, y.label, {left - kTickLength - widest - 20, (top + bottom) / 2});
+}
+
+std::vector<std::string> wrapped(const std::string& text, int max_width, double size) {
+  std::vector<std::string> lines;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    const std::string longer = lines.empty() ? word : lines.back() + " " + word;
+    if (lines.empty() || text_width(longer, size) > max_width) {
+      lines.push_back(word);
+    } else {
+      lines.back() = longer;
+    }
+  }
+  return lines;
+}
+
+}  // namespace plot
+
+void write_png(const std::filesystem::path& path, const cv::Mat& picture) {
+  std::vector<unsigned char> bytes;
+  if (!cv::imencode(".png", picture, bytes)) throw InputError(path.string() + ": the picture could not be encoded as PNG");
+  OutputFile file(path);
+  file.stream().write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  file.commit();
+}
+
+}  // namespace fabloop
