@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <iostream>
@@ -11,8 +10,11 @@
 
 #include "apps/command.h"
 #include "apps/progress_bar.h"
+#include "apps/run_report.h"
 #include "frontend/error.h"
 #include "frontend/fabmap/model_training.h"
+#include "frontend/fabmap/training_report.h"
+#include "frontend/output_file.h"
 
 namespace fabloop::apps {
 namespace {
@@ -24,6 +26,8 @@ struct TrainArguments {
   std::string features = "sift";
   std::string method = "kmeans";
   std::optional<std::size_t> num_words;
+  std::string report;
+  bool fresh = false;
   bool overwrite = false;
   ModelTrainingOptions options;
 };
@@ -50,13 +54,40 @@ std::string canonical_command(const TrainArguments& arguments) {
   return text.str();
 }
 
-void print_summary(const std::string& out, const TrainingSummary& summary) {
-  std::cout << out << ": " << summary.num_words << " words from " << summary.num_descriptors << " descriptors of "
-            << summary.num_images << " images\n"
-            << "words an image: " << std::lround(summary.mean_words_per_image) << " (" << summary.num_images_without_words
-            << " images have none); words in one image only: " << summary.num_words_in_one_image << '\n'
-            << "the tree keeps " << summary.mutual_information << " of the words' " << summary.entropy
-            << " nats an image as mutual information\n";
+const char* mark_of(Grade grade) {
+  switch (grade) {
+    case Grade::Good:
+      return "  ";
+    case Grade::Fair:
+      return "- ";
+    case Grade::Poor:
+      return "! ";
+  }
+  return "";
+}
+
+void print_report(const std::string& out, const TrainingReport& report) {
+  std::cout << out << ": " << report.num_words << " words from " << report.num_descriptors << " descriptors of "
+            << report.num_images << " images\n";
+  for (const Finding& finding : findings(report)) {
+    std::cout << mark_of(finding.grade) << finding.figure << ": " << finding.verdict << '\n';
+  }
+}
+
+void write_report(const std::string& path, const TrainingReport& report) {
+  OutputFile file(path);
+  file.stream() << to_json_with_findings(report);
+  file.commit();
+}
+
+/// The model appears under its name when it is complete, and only then is the state given up.
+void write_and_remove_state(const std::filesystem::path& out, const std::filesystem::path& state, const Model& model) {
+  if (!std::filesystem::is_directory(state)) return write_model(out, model);
+  write_model(state / "model", model);
+  std::error_code error;
+  std::filesystem::rename(state / "model", out, error);
+  if (error) throw InputError(out.string() + ": cannot be written (" + error.message() + "); choose another --out");
+  std::filesystem::remove_all(state, error);
 }
 
 void run_train(TrainArguments& arguments, const CommonOptions& common) {
@@ -69,13 +100,17 @@ void run_train(TrainArguments& arguments, const CommonOptions& common) {
   options.command = canonical_command(arguments);
   SequenceOptions sequence_options;
   sequence_options.camera = arguments.camera;
-  if (!common.quiet) sequence_options.warn = [](const std::string& message) { std::cerr << "note: " << message << '\n'; };
+  sequence_options.warn = make_warn(common);
   std::vector<Sequence> sequences;
   for (const std::string& folder : arguments.sequences) sequences.push_back(read_sequence(folder, sequence_options));
   options.progress = make_progress(common);
+  options.warn = sequence_options.warn;
+  options.state_folder = arguments.out + ".part";
+  if (arguments.fresh) options.if_state_found = TrainingState::IfFound::Discard;
   const TrainedModel trained = train_model(sequences, options);
-  write_model(arguments.out, trained.model);
-  print_summary(arguments.out, trained.summary);
+  write_and_remove_state(arguments.out, options.state_folder, trained.model);
+  if (!arguments.report.empty()) write_report(arguments.report, trained.report);
+  print_report(arguments.out, trained.report);
 }
 
 }  // namespace
@@ -104,6 +139,8 @@ void add_train_command(CLI::App& program, const CommonOptions& common) {
       ->check(CLI::PositiveNumber)
       ->excludes(words);
   command->add_option("--seed", options.seed, "another number: another choice of descriptors")->capture_default_str();
+  command->add_option("--report", arguments->report, "JSON file to write the health report to");
+  command->add_flag("--fresh", arguments->fresh, "forget what a stopped run of this training left in OUT.part");
   command->add_flag("--overwrite", arguments->overwrite, "replace the file if it exists");
   command->callback([arguments, &common] { run_train(*arguments, common); });
 }

@@ -59,7 +59,9 @@ Vocabulary train_k_means(const cv::Mat& descriptors, const KMeansOptions& option
   const auto num_points = static_cast<std::size_t>(points.rows);
   cv::Mat centres = chosen_rows(points, sample_without_replacement(num_points, options.num_words, options.seed));
   double last_inertia = 0.0;
-  for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
+  if (options.start) options.start->centres.copyTo(centres);
+  if (options.start) last_inertia = options.start->inertia;
+  for (int iteration = options.start ? options.start->num_iterations : 0; iteration < options.max_iterations; ++iteration) {
     const NearestRows nearest = nearest_rows(centres, points, options.num_threads);
     const std::vector<std::size_t> sizes = move_to_means(centres, points, nearest.row, options.num_threads);
     const std::size_t restarted = restart_empty(centres, sizes, points, nearest.squared_distance);
@@ -70,6 +72,7 @@ Vocabulary train_k_means(const cv::Mat& descriptors, const KMeansOptions& option
     const bool converged = iteration > 0 && last_inertia - inertia <= options.min_improvement * last_inertia;
     if (converged && restarted == 0) break;
     last_inertia = inertia;
+    if (options.after_iteration) options.after_iteration({iteration + 1, centres, inertia});
   }
   if (options.progress) options.progress("k-means", 1, 1);
   return {without_empty(centres, points, options.num_threads)};

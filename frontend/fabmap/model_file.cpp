@@ -74,6 +74,17 @@ std::optional<double> optional_double(const Json& json) {
   return json.is_null() ? std::nullopt : std::optional(json.get<double>());
 }
 
+/// What training says of itself, where it did.
+void add_training_entries(const Model& model, Json& header) {
+  if (model.health) header["health"] = Json::parse(to_json(*model.health));
+  if (model.domain) header["domain"] = Json::parse(to_json(*model.domain));
+}
+
+void read_training_entries(const Json& header, Model& model) {
+  if (header.contains("health")) model.health = training_report_from_json(header["health"].dump());
+  if (header.contains("domain")) model.domain = domain_from_json(header["domain"].dump());
+}
+
 Json header_of(const Model& model, const Arrays& arrays) {
   const FeatureOptions& features = model.features;
   return {{"words", model.vocabulary.words.rows},
@@ -178,6 +189,7 @@ Model parse(std::ifstream& stream, std::uint64_t file_size) {
   stream.read(text.data(), header_size);
   const Json header = Json::parse(text);
   Model model = model_of(header);
+  read_training_entries(header, model);
   std::optional<Arrays> arrays = allocate(header, file_size - kPrefixSize - header_size);
   if (!arrays) throw InputError("sizes that do not fit the file's (truncated?)");
   for_each_array(*arrays, [&](auto& array) {
@@ -192,6 +204,12 @@ Model parse(std::ifstream& stream, std::uint64_t file_size) {
 }
 
 }  // namespace
+
+bool is_model_file(const std::filesystem::path& path) {
+  std::array<char, kMagic.size()> magic{};
+  std::ifstream stream(path, std::ios::binary);
+  return stream.read(magic.data(), magic.size()) && magic == kMagic;
+}
 
 Model read_model(const std::filesystem::path& path) {
   std::error_code error;
@@ -213,7 +231,9 @@ Model read_model(const std::filesystem::path& path) {
 void write_model(const std::filesystem::path& path, const Model& model) {
   validate(model, path.string());
   Arrays arrays = arrays_of(model);
-  std::string header = header_of(model, arrays).dump(1);
+  Json header_json = header_of(model, arrays);
+  add_training_entries(model, header_json);
+  std::string header = header_json.dump(1);
   header.resize(aligned(kPrefixSize + header.size()) - kPrefixSize, ' ');
   OutputFile file(path);
   const std::array<std::uint32_t, 2> numbers = {kVersion, static_cast<std::uint32_t>(header.size())};

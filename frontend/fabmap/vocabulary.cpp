@@ -2,6 +2,7 @@
 #include "frontend/fabmap/vocabulary.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "frontend/error.h"
 #include "frontend/fabmap/nearest_rows.h"
@@ -41,11 +42,14 @@ std::vector<WordId> nearest_words(const Vocabulary& vocabulary, const cv::Mat& d
   return nearest_rows(vocabulary.words, points, 1).row;
 }
 
+Observation observation_of(std::vector<WordId> words) {
+  std::sort(words.begin(), words.end());
+  words.erase(std::unique(words.begin(), words.end()), words.end());
+  return {std::move(words)};
+}
+
 Observation observe(const Vocabulary& vocabulary, const cv::Mat& descriptors) {
-  Observation observation{nearest_words(vocabulary, descriptors)};
-  std::sort(observation.words.begin(), observation.words.end());
-  observation.words.erase(std::unique(observation.words.begin(), observation.words.end()), observation.words.end());
-  return observation;
+  return observation_of(nearest_words(vocabulary, descriptors));
 }
 
 void validate(const Vocabulary& vocabulary, const std::string& where) {

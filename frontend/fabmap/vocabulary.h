@@ -27,6 +27,9 @@ cv::Mat float_descriptors(const cv::Mat& descriptors);
 /// are of another length than the words.
 std::vector<WordId> nearest_words(const Vocabulary& vocabulary, const cv::Mat& descriptors);
 
+/// FAB-MAP's Z of an image with these words: sorted, without repeats.
+Observation observation_of(std::vector<WordId> words);
+
 /// FAB-MAP's Z: the words that N descriptors are rounded to. None for no descriptors. Throws as nearest_words does.
 Observation observe(const Vocabulary& vocabulary, const cv::Mat& descriptors);
 
