@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frontend/fabmap/held_out.h"
 
+#include <algorithm>
+
 namespace fabloop {
 namespace {
 
@@ -9,7 +11,7 @@ constexpr std::size_t kHoldOutEvery = 5;
 constexpr std::size_t kMinImages = 10;  // two held out, at least
 
 bool is_held_out(std::size_t image, std::size_t num_images) {
-  return image * kNumBlocks / num_images % kHoldOutEvery == kHoldOutEvery / 2;
+  return image * std::min(kNumBlocks, num_images) / num_images % kHoldOutEvery == kHoldOutEvery / 2;
 }
 
 }  // namespace

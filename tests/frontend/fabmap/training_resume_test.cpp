@@ -49,7 +49,7 @@ class TrainingResume : public ::testing::Test {
   }
 
   std::string bytes_of_training(const ModelTrainingOptions& options) {
-    const fs::path path = folder_.path() / "model";
+    const fs::path path = folder_.path() / "written.model";
     write_model(path, train_model(
                           kNumImages,
                           [this](std::size_t image) {
