@@ -16,6 +16,7 @@ void add_demo_command(CLI::App& program, const CommonOptions& common);
 void add_synth_command(CLI::App& program, const CommonOptions& common);
 void add_train_command(CLI::App& program, const CommonOptions& common);
 void add_recognize_command(CLI::App& program, const CommonOptions& common);
+void add_convert_command(CLI::App& program, const CommonOptions& common);
 void add_map_command(CLI::App& program, const CommonOptions& common);
 void add_optimize_command(CLI::App& program, const CommonOptions& common);
 void add_evaluate_command(CLI::App& program);

@@ -15,6 +15,8 @@
 #include "apps/run_report.h"
 #include "frontend/error.h"
 #include "frontend/fabmap/source_training.h"
+#include "frontend/fabmap/training_report.h"
+#include "frontend/output_file.h"
 
 namespace fabloop::apps {
 namespace {
@@ -28,6 +30,8 @@ struct TrainArguments {
   std::optional<std::size_t> num_words;
   ImageSourceOptions source{.if_damaged = IfDamaged::Refuse};
   bool panorama = false;
+  std::string report;
+  bool fresh = false;
   bool overwrite = false;
   ModelTrainingOptions options;
 };
@@ -57,13 +61,40 @@ std::string canonical_command(const TrainArguments& arguments) {
   return text.str();
 }
 
-void print_summary(const std::string& out, const TrainingSummary& summary) {
-  std::cout << out << ": " << summary.num_words << " words from " << summary.num_descriptors << " descriptors of "
-            << summary.num_images << " images\n"
-            << "words an image: " << std::lround(summary.mean_words_per_image) << " (" << summary.num_images_without_words
-            << " images have none); words in one image only: " << summary.num_words_in_one_image << '\n'
-            << "the tree keeps " << summary.mutual_information << " of the words' " << summary.entropy
-            << " nats an image as mutual information\n";
+const char* mark_of(Grade grade) {
+  switch (grade) {
+    case Grade::Good:
+      return "  ";
+    case Grade::Fair:
+      return "- ";
+    case Grade::Poor:
+      return "! ";
+  }
+  return "";
+}
+
+void print_report(const std::string& out, const TrainingReport& report) {
+  std::cout << out << ": " << report.num_words << " words from " << report.num_descriptors << " descriptors of "
+            << report.num_images << " images\n";
+  for (const Finding& finding : findings(report)) {
+    std::cout << mark_of(finding.grade) << finding.figure << ": " << finding.verdict << '\n';
+  }
+}
+
+void write_report(const std::string& path, const TrainingReport& report) {
+  OutputFile file(path);
+  file.stream() << to_json_with_findings(report);
+  file.commit();
+}
+
+/// The model appears under its name when it is complete, and only then is the state given up.
+void write_and_remove_state(const std::filesystem::path& out, const std::filesystem::path& state, const Model& model) {
+  if (!std::filesystem::is_directory(state)) return write_model(out, model);
+  write_model(state / "model", model);
+  std::error_code error;
+  std::filesystem::rename(state / "model", out, error);
+  if (error) throw InputError(out.string() + ": cannot be written (" + error.message() + "); choose another --out");
+  std::filesystem::remove_all(state, error);
 }
 
 /// Whether the images must be taken one after the other instead of at will.
@@ -73,21 +104,17 @@ bool needs_sources(const TrainArguments& arguments) {
                      [](const std::string& path) { return std::filesystem::is_regular_file(path); });
 }
 
-TrainedModel train_on_sources(const TrainArguments& arguments, const Warn& warn) {
-  ImageSourceOptions source_options = arguments.source;
-  source_options.num_threads = arguments.options.num_threads;
-  source_options.warn = warn;
-  std::vector<ImageSource> sources;
-  for (const std::string& path : arguments.sequences) sources.emplace_back(path, source_options);
-  const SourceTrainingOptions options{arguments.panorama ? ImageShape::Panorama : ImageShape::Plain,
-                                      arguments.out + ".descriptors"};
-  return train_model(sources, options, arguments.options);
+TrainedModel train_on_sources(const TrainArguments& arguments) {
+  SourceTrainingOptions options{arguments.source, arguments.panorama ? ImageShape::Panorama : ImageShape::Plain};
+  options.source.num_threads = arguments.options.num_threads;
+  options.source.warn = arguments.options.warn;
+  return train_model({arguments.sequences.begin(), arguments.sequences.end()}, options, arguments.options);
 }
 
-TrainedModel train_on_sequences(const TrainArguments& arguments, const Warn& warn) {
+TrainedModel train_on_sequences(const TrainArguments& arguments) {
   std::vector<Sequence> sequences;
   for (const std::string& folder : arguments.sequences) {
-    sequences.push_back(read_sequence(folder, {.camera = arguments.camera, .warn = warn}));
+    sequences.push_back(read_sequence(folder, {.camera = arguments.camera, .warn = arguments.options.warn}));
   }
   return train_model(sequences, arguments.options);
 }
@@ -101,10 +128,13 @@ void run_train(TrainArguments& arguments, const CommonOptions& common) {
   options.num_threads = common.num_threads;
   options.command = canonical_command(arguments);
   options.progress = make_progress(common);
-  const Warn warn = make_warn(common);
-  const TrainedModel trained = needs_sources(arguments) ? train_on_sources(arguments, warn) : train_on_sequences(arguments, warn);
-  write_model(arguments.out, trained.model);
-  print_summary(arguments.out, trained.summary);
+  options.warn = make_warn(common);
+  options.state_folder = arguments.out + ".part";
+  if (arguments.fresh) options.if_state_found = TrainingState::IfFound::Discard;
+  const TrainedModel trained = needs_sources(arguments) ? train_on_sources(arguments) : train_on_sequences(arguments);
+  write_and_remove_state(arguments.out, options.state_folder, trained.model);
+  if (!arguments.report.empty()) write_report(arguments.report, trained.report);
+  print_report(arguments.out, trained.report);
 }
 
 }  // namespace
@@ -141,6 +171,8 @@ void add_train_command(CLI::App& program, const CommonOptions& common) {
       ->check(CLI::PositiveNumber)
       ->excludes(words);
   command->add_option("--seed", options.seed, "another number: another choice of descriptors")->capture_default_str();
+  command->add_option("--report", arguments->report, "JSON file to write the health report to");
+  command->add_flag("--fresh", arguments->fresh, "forget what a stopped run of this training left in OUT.part");
   command->add_flag("--overwrite", arguments->overwrite, "replace the file if it exists");
   command->callback([arguments, &common] { run_train(*arguments, common); });
 }

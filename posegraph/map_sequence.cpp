@@ -52,11 +52,12 @@ SequenceMap map_sequence(const Sequence& sequence, const std::optional<Model>& m
   } else {
     TrainedModel trained = train_on(described, options);
     result.model = std::move(trained.model);
-    result.trained_here = trained.summary;
+    result.trained_here = trained.report;
   }
 
   MapperOptions mapper_options = options.mapper;
   mapper_options.loops.num_threads = options.num_threads;
+  mapper_options.loops.warn = options.warn;
   mapper_options.loops.verifier.seed = options.seed;
   mapper_options.loops.recognizer.seed = options.seed;
   Mapper mapper(sequence.camera, result.model, mapper_options);

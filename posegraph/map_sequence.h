@@ -26,9 +26,9 @@ struct MapSequenceOptions {
 
 struct SequenceMap {
   Map map;
-  Model model;                                  ///< As given, or as trained here.
-  std::optional<TrainingSummary> trained_here;  ///< When no model was given: on the sequence itself.
-  std::size_t num_damaged = 0;                  ///< Images that could not be read.
+  Model model;                                 ///< As given, or as trained here.
+  std::optional<TrainingReport> trained_here;  ///< When no model was given: on the sequence itself.
+  std::size_t num_damaged = 0;                 ///< Images that could not be read.
 };
 
 /// From a sequence with odometry to its map: describe the images, train a model on them when none is given, map frame by

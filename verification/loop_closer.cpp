@@ -31,6 +31,7 @@ LoopCloser::LoopCloser(const Camera& camera, const Model& model, const LoopClose
     : camera_(camera),
       options_(options),
       feature_kind_(model.features.kind),
+      domain_check_(model, {.warn = options.warn}),
       recognizer_(model, options.recognizer),
       words_(model.vocabulary, options.words),
       verifier_(options.verifier) {}
@@ -47,6 +48,7 @@ LoopEvent LoopCloser::add_keyframe(Keyframe keyframe) {
     const Stopwatch watch(event.times.words_s);
     observation = words_.observe(keyframe.features.descriptors);
   }
+  domain_check_.add(observation);
   const std::vector<Hypothesis> hypotheses = recognise(observation, event);
   views_.push_back(make_view(keyframe.frame, camera_, std::move(keyframe.features)));
   odom_from_cameras_.push_back(keyframe.odom_from_camera);

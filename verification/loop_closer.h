@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "frontend/fabmap/domain_check.h"
 #include "frontend/fabmap/hypotheses.h"
 #include "frontend/fabmap/model.h"
 #include "frontend/fabmap/motion_model.h"
@@ -14,6 +15,7 @@
 #include "frontend/features/features.h"
 #include "frontend/geometry/camera.h"
 #include "frontend/geometry/pose.h"
+#include "frontend/progress.h"
 #include "verification/neighbour.h"
 #include "verification/verifier.h"
 #include "verification/view.h"
@@ -33,6 +35,7 @@ struct LoopCloserOptions {
   /// How many keyframes back to look for them: more for slow or high-rate cameras.
   std::size_t max_neighbour_distance = 16;
   int num_threads = 0;  ///< Hypotheses of one keyframe are verified in parallel; the result does not depend on it.
+  Warn warn{};          ///< Told when keyframes look unlike the images that the model was trained on; see DomainCheck.
 };
 
 /// One image as a host hands it over.
@@ -87,6 +90,7 @@ class LoopCloser {
   Camera camera_;
   LoopCloserOptions options_;
   FeatureKind feature_kind_;
+  DomainCheck domain_check_;
   PlaceRecognizer recognizer_;
   WordFinder words_;
   Verifier verifier_;

@@ -60,7 +60,14 @@ Vocabulary train_k_means(const cv::Mat& descriptors, const KMeansOptions& option
   cv::Mat centres = chosen_rows(points, sample_without_replacement(num_points, options.num_words, options.seed));
   std::vector<std::uint32_t> assignment;
   double last_inertia = 0.0;
-  for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
+  int iteration = 0;
+  if (options.start) {
+    options.start->centres.copyTo(centres);
+    assignment = options.start->assignment;
+    last_inertia = options.start->inertia;
+    iteration = options.start->num_iterations;
+  }
+  for (; iteration < options.max_iterations; ++iteration) {
     const NearestRows nearest = search_for(centres, points.rows).near(points, options.num_threads, assignment);
     const std::vector<std::size_t> sizes = move_to_means(centres, points, nearest.row, options.num_threads);
     assignment = nearest.row;
@@ -72,6 +79,7 @@ Vocabulary train_k_means(const cv::Mat& descriptors, const KMeansOptions& option
     const bool converged = iteration > 0 && last_inertia - inertia <= options.min_improvement * last_inertia;
     if (converged && restarted == 0) break;
     last_inertia = inertia;
+    if (options.after_iteration) options.after_iteration({iteration + 1, centres, assignment, inertia});
   }
   if (options.progress) options.progress("k-means", 1, 1);
   assignment = search_for(centres, points.rows).nearest(points, options.num_threads, assignment).row;

@@ -4,12 +4,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "frontend/fabmap/chow_liu_tree.h"
 #include "frontend/fabmap/detector_model.h"
+#include "frontend/fabmap/domain.h"
 #include "frontend/fabmap/observation.h"
+#include "frontend/fabmap/training_report.h"
 #include "frontend/fabmap/vocabulary.h"
 #include "frontend/features/feature_extractor.h"
 
@@ -32,6 +35,8 @@ struct Model {
   DetectorModel detector;
   std::vector<Observation> background;  ///< Views of elsewhere, for the sampled new place.
   Provenance provenance;
+  std::optional<TrainingReport> health;  ///< Of models that training made here.
+  std::optional<Domain> domain;          ///< What the training images look like; see DomainCheck.
 };
 
 /// Throws InputError naming `where` when a part is invalid or the parts do not fit together.
@@ -39,6 +44,9 @@ void validate(const Model& model, const std::string& where);
 
 /// Throws InputError that says which option differs, when images described with `features` would not have the model's words.
 void require_features(const Model& model, const FeatureOptions& features);
+
+/// Whether a file says of itself that it is a model file. False when it cannot be read.
+bool is_model_file(const std::filesystem::path& path);
 
 /// Reads a model file and validates all of it. The words stay in the file, which is mapped: `vocabulary.words` and its copies
 /// keep the mapping alive, and writing to them does not change the file (see MappedFile). Throws InputError naming the file when

@@ -74,6 +74,17 @@ std::optional<double> optional_double(const Json& json) {
   return json.is_null() ? std::nullopt : std::optional(json.get<double>());
 }
 
+/// What training says of itself, where it did.
+void add_training_entries(const Model& model, Json& header) {
+  if (model.health) header["health"] = Json::parse(to_json(*model.health));
+  if (model.domain) header["domain"] = Json::parse(to_json(*model.domain));
+}
+
+void read_training_entries(const Json& header, Model& model) {
+  if (header.contains("health")) model.health = training_report_from_json(header["health"].dump());
+  if (header.contains("domain")) model.domain = domain_from_json(header["domain"].dump());
+}
+
 Json header_of(const Model& model, const Arrays& arrays) {
   const FeatureOptions& features = model.features;
   return {{"words", model.vocabulary.words.rows},
@@ -213,6 +224,7 @@ std::pair<Json, std::size_t> header_in(const MappedFile& file) {
 Model parse(MappedFile file) {
   const auto [header, end] = header_in(file);
   Model model = model_of(header);
+  read_training_entries(header, model);
   const Layout layout = layout_of(header, end, file.size());
   model.tree = tree_in(file, layout);
   model.background = background_in(file, layout);
@@ -222,6 +234,12 @@ Model parse(MappedFile file) {
 }
 
 }  // namespace
+
+bool is_model_file(const std::filesystem::path& path) {
+  std::array<char, kMagic.size()> magic{};
+  std::ifstream stream(path, std::ios::binary);
+  return stream.read(magic.data(), magic.size()) && magic == kMagic;
+}
 
 Model read_model(const std::filesystem::path& path) {
   MappedFile file(path);
@@ -240,7 +258,9 @@ Model read_model(const std::filesystem::path& path) {
 void write_model(const std::filesystem::path& path, const Model& model) {
   validate(model, path.string());
   Arrays arrays = arrays_of(model);
-  std::string header = header_of(model, arrays).dump(1);
+  Json header_json = header_of(model, arrays);
+  add_training_entries(model, header_json);
+  std::string header = header_json.dump(1);
   header.resize(aligned(kPrefixSize + header.size()) - kPrefixSize, ' ');
   OutputFile file(path);
   const std::array<std::uint32_t, 2> numbers = {kVersion, static_cast<std::uint32_t>(header.size())};

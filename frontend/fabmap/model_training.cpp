@@ -2,72 +2,89 @@
 #include "frontend/fabmap/model_training.h"
 
 #include <algorithm>
-#include <string_view>
+#include <sstream>
 #include <utility>
 
 #include "frontend/error.h"
+#include "frontend/fabmap/domain_check.h"
+#include "frontend/fabmap/held_out.h"
 #include "frontend/fabmap/sampling.h"
+#include "frontend/fabmap/training_images.h"
 #include "frontend/fabmap/vocabulary_training.h"
-#include "frontend/fabmap/word_finder.h"
-#include "frontend/parallel.h"
 
 namespace fabloop {
 namespace {
 
-/// Images looked at between two reports of progress.
-constexpr std::size_t kBlockSize = 32;
-
-using ImageBody = std::function<void(std::size_t image)>;
-
-/// parallel_for over all images in blocks. After each block, this thread reports progress and calls `finish` in order.
-void for_each_image(std::size_t num_images, std::string_view stage, const ModelTrainingOptions& options, const ImageBody& body,
-                    const ImageBody& finish) {
-  for (std::size_t begin = 0; begin < num_images; begin += kBlockSize) {
-    const std::size_t end = std::min(begin + kBlockSize, num_images);
-    parallel_for(end - begin, options.num_threads, [&](std::size_t i) { body(begin + i); });
-    for (std::size_t image = begin; image < end; ++image) finish(image);
-    if (options.progress) options.progress(stage, end, num_images);
-  }
+/// Everything that the model depends on besides the images, one thing a line.
+std::string options_text(std::size_t num_images, const ModelTrainingOptions& options) {
+  std::ostringstream text;
+  text.precision(17);
+  text << features_text(options.features) << "method " << static_cast<int>(options.method) << ' ' << options.num_words.value_or(0)
+       << ' ' << options.radius << "\nmax descriptors " << options.max_descriptors << "\nseed " << options.seed << "\nimages "
+       << num_images << '\n'
+       << options.images_identity;
+  return text.str();
 }
 
-/// What the first look at the images leaves.
-struct FirstLook {
-  std::vector<std::optional<cv::Mat>> descriptors;  ///< Of each image, as extracted, where they were kept.
-  cv::Mat sample;                                   ///< N x D, CV_32F: the same share of every image.
-};
-
-cv::Mat sampled_rows(const cv::Mat& descriptors, std::size_t wanted, std::uint64_t seed) {
-  cv::Mat result;
-  for (const std::size_t row : sample_without_replacement(static_cast<std::size_t>(descriptors.rows), wanted, seed)) {
-    result.push_back(descriptors.row(static_cast<int>(row)));
-  }
-  return float_descriptors(result);
-}
-
-FirstLook look_at_images(std::size_t num_images, const FeatureSource& features, const ModelTrainingOptions& options) {
-  const std::size_t share = (options.max_descriptors + num_images - 1) / num_images;
-  FirstLook look{std::vector<std::optional<cv::Mat>>(num_images), {}};
-  std::vector<cv::Mat> samples(num_images);
-  std::size_t kept_bytes = 0;
-  const auto describe = [&](std::size_t image) {
-    look.descriptors[image] = features(image).descriptors;
-    samples[image] = sampled_rows(*look.descriptors[image], share, options.seed + image);
-  };
-  const auto keep_if_it_fits = [&](std::size_t image) {
-    const std::size_t bytes = look.descriptors[image]->total() * look.descriptors[image]->elemSize();
-    if (kept_bytes + bytes <= options.max_kept_bytes) {
-      kept_bytes += bytes;
-    } else {
-      look.descriptors[image].reset();
+/// One line an image: name, size and time of the file, not its folder.
+std::string identity_of(const std::vector<Sequence>& sequences) {
+  std::ostringstream text;
+  for (const Sequence& sequence : sequences) {
+    for (const Frame& frame : sequence.frames) {
+      std::error_code ignored;  // reading it will tell
+      const auto time = std::filesystem::last_write_time(frame.image_path, ignored).time_since_epoch().count();
+      text << frame.image_path.filename().string() << ' ' << std::filesystem::file_size(frame.image_path, ignored) << ' ' << time
+           << '\n';
     }
-    if (!samples[image].empty()) look.sample.push_back(samples[image]);
-    samples[image].release();
-  };
-  for_each_image(num_images, "describing images", options, describe, keep_if_it_fits);
-  return look;
+  }
+  return text.str();
 }
 
-Vocabulary train_vocabulary(const cv::Mat& descriptors, const ModelTrainingOptions& options) {
+constexpr const char* kVocabularyFile = "vocabulary";
+constexpr const char* kKMeansFile = "k-means";
+
+std::optional<KMeansState> read_k_means(const TrainingState& state) {
+  std::optional<StateBytes> bytes = state.read(kKMeansFile);
+  if (!bytes) return std::nullopt;
+  KMeansState k_means;
+  try {
+    bytes->take(k_means.num_iterations);
+    bytes->take(k_means.inertia);
+    bytes->take(k_means.centres);
+    bytes->take(k_means.assignment);
+  } catch (const StateDamaged&) {
+    state.warn_damaged(kKMeansFile);
+    return std::nullopt;
+  }
+  return k_means;
+}
+
+void write_k_means(TrainingState& state, const KMeansState& k_means) {
+  StateBytes bytes;
+  bytes.put(k_means.num_iterations);
+  bytes.put(k_means.inertia);
+  bytes.put(k_means.centres);
+  bytes.put(k_means.assignment);
+  state.write(kKMeansFile, bytes);
+}
+
+/// Tells where a former run stopped, if it had begun.
+void tell_resumption(const TrainingState& state, const Warn& warn) {
+  if (!warn || !state.keeps()) return;
+  std::string stage;
+  if (state.has(kVocabularyFile)) {
+    stage = "finding words";
+  } else if (const auto k_means = state.has(kKMeansFile) ? read_k_means(state) : std::nullopt) {
+    stage = "k-means, iteration " + std::to_string(k_means->num_iterations + 1) + ",";
+  } else if (state.has("sample-00000")) {
+    stage = "describing images";
+  } else {
+    return;
+  }
+  warn("resuming at " + stage + " of " + state.folder().string());
+}
+
+Vocabulary make_vocabulary(const cv::Mat& descriptors, const ModelTrainingOptions& options, TrainingState& state) {
   if (options.method == VocabularyMethod::Radius) {
     RadiusClusteringOptions radius;
     radius.radius = options.radius;
@@ -81,67 +98,110 @@ Vocabulary train_vocabulary(const cv::Mat& descriptors, const ModelTrainingOptio
   k_means.seed = options.seed;
   k_means.num_threads = options.num_threads;
   k_means.progress = options.progress;
+  k_means.start = read_k_means(state);
+  if (state.keeps()) k_means.after_iteration = [&](const KMeansState& now) { write_k_means(state, now); };
   return train_k_means(descriptors, k_means);
 }
 
-std::vector<Observation> observe_images(const Vocabulary& vocabulary, FirstLook look, const FeatureSource& features,
-                                        const ModelTrainingOptions& options) {
-  std::vector<Observation> observations(look.descriptors.size());
-  const WordFinder words(vocabulary);
-  const auto observe_image = [&](std::size_t image) {
-    const auto& kept = look.descriptors[image];
-    observations[image] = words.observe(kept ? *kept : features(image).descriptors);
-    look.descriptors[image].reset();
-  };
-  for_each_image(observations.size(), "finding words", options, observe_image, [](std::size_t) {});
+/// From the state, or made now and kept there.
+Vocabulary train_vocabulary(const cv::Mat& descriptors, const ModelTrainingOptions& options, TrainingState& state) {
+  Vocabulary vocabulary;
+  if (std::optional<StateBytes> bytes = state.read(kVocabularyFile)) {
+    try {
+      bytes->take(vocabulary.words);
+      return vocabulary;
+    } catch (const StateDamaged&) {
+      state.warn_damaged(kVocabularyFile);
+    }
+  }
+  vocabulary = make_vocabulary(descriptors, options, state);
+  StateBytes bytes;
+  bytes.put(vocabulary.words);
+  state.write(kVocabularyFile, bytes);
+  return vocabulary;
+}
+
+std::vector<Observation> observations_of(const std::vector<ImageWords>& words) {
+  std::vector<Observation> observations;
+  for (const ImageWords& image : words) observations.push_back(image.observation);
   return observations;
 }
 
-TrainingSummary summarize(const std::vector<Observation>& observations, std::size_t num_words, const ChowLiuResult& tree) {
-  TrainingSummary summary;
-  summary.num_images = observations.size();
-  summary.num_words = num_words;
-  summary.mutual_information = tree.mutual_information;
-  summary.entropy = tree.entropy;
-  std::vector<std::size_t> images(num_words, 0);
-  for (const Observation& observation : observations) {
-    if (observation.words.empty()) ++summary.num_images_without_words;
-    summary.mean_words_per_image += static_cast<double>(observation.words.size());
-    for (const WordId word : observation.words) ++images[word];
+/// The model's health, and what its training set looks like.
+TrainingReport report_on(Model& model, const std::vector<ImageWords>& words, const ModelTrainingOptions& options) {
+  const std::vector<Observation> observations = observations_of(words);
+  ChowLiuOptions tree_options = options.tree;
+  tree_options.progress = {};
+  const std::optional<HeldOut> held_out = hold_out(observations, model.vocabulary.num_words(), tree_options);
+  if (held_out) model.domain = measure_domain(*held_out);
+  std::vector<Observation> two_thirds;
+  for (const ImageWords& image : words) two_thirds.push_back(image.two_thirds);
+  SelfTestOptions test_options;
+  test_options.detector = options.detector;
+  test_options.seed = options.seed;
+  TrainingReport report = count_words(observations, model.vocabulary.num_words());
+  report.self_test = self_test(model.tree, observations, two_thirds, held_out, test_options);
+  return report;
+}
+
+TrainedModel train(std::size_t num_images, const FeatureSource& features, const ModelTrainingOptions& options,
+                   TrainingState& state) {
+  TrainedModel trained;
+  Model& model = trained.model;
+  model.features = options.features;
+  model.detector = options.detector;
+  TrainingImages images(num_images, features, options, state);
+  cv::Mat sample = images.sample_descriptors();
+  const auto num_descriptors = static_cast<std::size_t>(sample.rows);
+  model.vocabulary = train_vocabulary(sample, options, state);
+  const WordDistances distances = measure_distances(model.vocabulary, sample, options.num_threads);
+  sample.release();
+  const std::vector<ImageWords> words = images.find_words(model.vocabulary);
+  ChowLiuOptions tree_options = options.tree;
+  tree_options.progress = options.progress;
+  ChowLiuResult tree = train_chow_liu_tree(observations_of(words), model.vocabulary.num_words(), tree_options);
+  model.tree = std::move(tree.tree);
+  for (const std::size_t image : sample_without_replacement(num_images, options.max_background, options.seed)) {
+    model.background.push_back(words[image].observation);
   }
-  summary.mean_words_per_image /= static_cast<double>(observations.size());
-  summary.num_words_in_one_image = static_cast<std::size_t>(std::count(images.begin(), images.end(), std::size_t{1}));
-  return summary;
+  model.provenance = {FABLOOP_VERSION, options.command, options.seed, num_images, num_descriptors};
+  trained.report = report_on(model, words, options);
+  trained.report.num_descriptors = num_descriptors;
+  trained.report.mutual_information = tree.mutual_information;
+  trained.report.entropy = tree.entropy;
+  trained.report.distance_to_word = distances.to_word;
+  trained.report.distance_between_words = distances.between_words;
+  model.health = trained.report;
+  return trained;
 }
 
 }  // namespace
+
+std::string features_text(const FeatureOptions& features) {
+  std::ostringstream text;
+  text.precision(17);
+  text << "fabloop " << FABLOOP_VERSION << "\nfeatures " << to_string(features.kind) << ' ' << features.max_features << ' '
+       << features.detection_threshold.value_or(-1.0) << ' ' << features.clahe_clip_limit.value_or(-1.0) << ' '
+       << features.root_sift << '\n';
+  return text.str();
+}
 
 std::size_t default_num_words(std::size_t num_descriptors) { return std::clamp<std::size_t>(num_descriptors / 50, 1, 2000); }
 
 TrainedModel train_model(std::size_t num_images, const FeatureSource& features, const ModelTrainingOptions& options) {
   if (num_images == 0) throw InputError("there are no images to train on");
   validate(options.detector, "detector");
-  FirstLook look = look_at_images(num_images, features, options);
-  const auto num_descriptors = static_cast<std::size_t>(look.sample.rows);
-
-  TrainedModel trained;
-  Model& model = trained.model;
-  model.features = options.features;
-  model.detector = options.detector;
-  model.vocabulary = train_vocabulary(look.sample, options);
-  look.sample.release();
-  const std::vector<Observation> observations = observe_images(model.vocabulary, std::move(look), features, options);
-  ChowLiuOptions tree_options = options.tree;
-  tree_options.progress = options.progress;
-  ChowLiuResult tree = train_chow_liu_tree(observations, model.vocabulary.num_words(), tree_options);
-  for (const std::size_t image : sample_without_replacement(num_images, options.max_background, options.seed)) {
-    model.background.push_back(observations[image]);
+  TrainingState state;
+  if (!options.state_folder.empty()) {
+    state = TrainingState(options.state_folder, options_text(num_images, options), options.if_state_found, options.warn);
   }
-  model.provenance = {FABLOOP_VERSION, options.command, options.seed, num_images, num_descriptors};
-  trained.summary = summarize(observations, model.vocabulary.num_words(), tree);
-  trained.summary.num_descriptors = num_descriptors;
-  model.tree = std::move(tree.tree);
-  return trained;
+  tell_resumption(state, options.warn);
+  try {
+    return train(num_images, features, options, state);
+  } catch (const InputError&) {
+    state.discard();  // it is of images or options that must change
+    throw;
+  }
 }
 
 TrainedModel train_model(const std::vector<Sequence>& sequences, const ModelTrainingOptions& options) {
@@ -154,7 +214,9 @@ TrainedModel train_model(const std::vector<Sequence>& sequences, const ModelTrai
     const Sequence& sequence = sequences[images[image].first];
     return extractor.extract(read_gray_image(sequence.frames[images[image].second].image_path, sequence.camera));
   };
-  return train_model(images.size(), features, options);
+  ModelTrainingOptions identified = options;
+  identified.images_identity += identity_of(sequences);
+  return train_model(images.size(), features, identified);
 }
 
 }  // namespace fabloop

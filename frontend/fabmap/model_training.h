@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -11,6 +12,8 @@
 #include "frontend/fabmap/chow_liu_training.h"
 #include "frontend/fabmap/detector_model.h"
 #include "frontend/fabmap/model.h"
+#include "frontend/fabmap/training_report.h"
+#include "frontend/fabmap/training_state.h"
 #include "frontend/features/feature_extractor.h"
 #include "frontend/progress.h"
 #include "frontend/sequence/sequence.h"
@@ -31,8 +34,8 @@ struct ModelTrainingOptions {
   double radius = 0.0;  ///< Only for radius clustering; see RadiusClusteringOptions.
   /// At most about so many descriptors make the words, the same share of every image. Bounds time and memory.
   std::size_t max_descriptors = 250000;
-  /// Descriptors of as many images as fit are kept from the first look at the images to the second; the others are asked
-  /// for twice. Bounds memory.
+  /// Descriptors of as many images as fit are kept in memory from the first look at the images to the second; the others are
+  /// asked for twice. Bounds memory. Only where there is no state folder.
   std::size_t max_kept_bytes = std::size_t{1} << 30;
   std::size_t max_background = 1000;  ///< Observations kept for the sampled new place.
   DetectorModel detector;             ///< Raise p_seen_if_present for detectors that repeat better.
@@ -40,28 +43,29 @@ struct ModelTrainingOptions {
   std::uint64_t seed = 1;
   int num_threads = 0;  ///< 0: all. The model does not depend on it.
   std::string command;  ///< Kept in the model's provenance: the options that a user gave.
+  /// Folder to keep work in that is done, so that the same training, killed at any moment, goes on there when it is called
+  /// again: see TrainingState. It stays until its owner removes it. Empty: nothing is kept.
+  std::filesystem::path state_folder;
+  TrainingState::IfFound if_state_found = TrainingState::IfFound::Resume;
+  /// The state folder keeps so many bytes of descriptors; images beyond are described twice. Bounds the disk.
+  std::size_t max_state_bytes = std::size_t{8} << 30;
+  /// Names the images, so that the state of other images is not taken for theirs. train_model on sequences adds the names,
+  /// sizes and times of the files by itself.
+  std::string images_identity;
+  Warn warn;  ///< Told where a training resumes, and about a state that does not fit or is damaged.
   Progress progress;
-};
-
-/// What to look at before trusting a model.
-struct TrainingSummary {
-  std::size_t num_images = 0;
-  std::size_t num_images_without_words = 0;
-  std::size_t num_descriptors = 0;  ///< Those that the words were made of.
-  std::size_t num_words = 0;
-  std::size_t num_words_in_one_image = 0;  ///< Words that only one image shows: they cannot recognise anything in training.
-  double mean_words_per_image = 0.0;
-  double mutual_information = 0.0;  ///< Held by the tree, nats an image.
-  double entropy = 0.0;             ///< Of the words taken alone, nats an image.
 };
 
 struct TrainedModel {
   Model model;
-  TrainingSummary summary;
+  TrainingReport report;  ///< Also in the model.
 };
 
 /// The features of image i of those to train on. Called from several threads, and more than once for the same image.
 using FeatureSource = std::function<Features(std::size_t image)>;
+
+/// Everything that the descriptors of an image depend on besides the image, one thing a line: for TrainingState's inputs.
+std::string features_text(const FeatureOptions& features);
 
 /// One word for 50 descriptors, at least 1 and at most 2,000.
 std::size_t default_num_words(std::size_t num_descriptors);

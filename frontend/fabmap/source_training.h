@@ -11,15 +11,15 @@
 namespace fabloop {
 
 struct SourceTrainingOptions {
+  ImageSourceOptions source;  ///< How each source is read.
   ImageShape shape = ImageShape::Plain;
-  /// A file that is free to be used until the training ends: it holds all descriptors, since a video gives each image only once.
-  /// About 0.8 MB an image with 1,500 SIFT features.
-  std::filesystem::path spool;
 };
 
-/// A model from all images that the sources still have; see train_model. Needs no calibration. Throws InputError as that does and
-/// as ImageSource does.
-TrainedModel train_model(std::vector<ImageSource>& sources, const SourceTrainingOptions& source_options,
+/// A model from all images of the sources (see ImageSource): see train_model. Needs no calibration. A source gives each image
+/// only once, so all descriptors are kept, about 0.8 MB an image with 1,500 SIFT features: beside the state folder, in
+/// `STATE_FOLDER.images`, from where a training that was killed goes on too; in memory where there is no state folder. Throws
+/// InputError as train_model and ImageSource do, and when the disk is full.
+TrainedModel train_model(const std::vector<std::filesystem::path>& sources, const SourceTrainingOptions& source_options,
                          const ModelTrainingOptions& options = {});
 
 }  // namespace fabloop

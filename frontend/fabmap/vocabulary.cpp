@@ -56,16 +56,16 @@ cv::Mat float_descriptors_for(const Vocabulary& vocabulary, const cv::Mat& descr
   return points;
 }
 
-Observation observation_of(std::vector<WordId> words) {
-  std::sort(words.begin(), words.end());
-  words.erase(std::unique(words.begin(), words.end()), words.end());
-  return {std::move(words)};
-}
-
 std::vector<WordId> nearest_words(const Vocabulary& vocabulary, const cv::Mat& descriptors) {
   const cv::Mat points = float_descriptors_for(vocabulary, descriptors);
   if (points.empty()) return {};
   return nearest_rows(vocabulary.words, points, 1).row;
+}
+
+Observation observation_of(std::vector<WordId> words) {
+  std::sort(words.begin(), words.end());
+  words.erase(std::unique(words.begin(), words.end()), words.end());
+  return {std::move(words)};
 }
 
 Observation observe(const Vocabulary& vocabulary, const cv::Mat& descriptors) {

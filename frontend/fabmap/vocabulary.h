@@ -25,14 +25,13 @@ cv::Mat float_descriptors(const cv::Mat& descriptors);
 /// The same for descriptors that are to be rounded to words: throws InputError also when they are of another length.
 cv::Mat float_descriptors_for(const Vocabulary& vocabulary, const cv::Mat& descriptors);
 
-/// The words found for N descriptors, ascending and each once.
-Observation observation_of(std::vector<WordId> words);
-
-/// The word nearest to each of N descriptors (exact, squared Euclidean distance). Descriptors are as an extractor gives
-/// them. Of words equally
-/// near, the lower. Throws InputError as float_descriptors does, and when the descriptors
-/// are of another length than the words. For many images a WordFinder is several times faster.
+/// The word nearest to each of N descriptors (exact, squared Euclidean distance). Descriptors are as an extractor gives them.
+/// Of words equally near, the lower. Throws InputError as float_descriptors does, and when the descriptors are of another length
+/// than the words. For many images a WordFinder is several times faster.
 std::vector<WordId> nearest_words(const Vocabulary& vocabulary, const cv::Mat& descriptors);
+
+/// FAB-MAP's Z of an image with these words: sorted, without repeats.
+Observation observation_of(std::vector<WordId> words);
 
 /// FAB-MAP's Z: the words that N descriptors are rounded to. None for no descriptors. Throws as nearest_words does.
 /// For many images a WordFinder is several times faster.

@@ -3,12 +3,22 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <opencv2/core.hpp>
+#include <optional>
 
 #include "frontend/fabmap/vocabulary.h"
 #include "frontend/progress.h"
 
 namespace fabloop {
+
+/// Where k-means stands between two iterations: all that the next one depends on, besides descriptors and options.
+struct KMeansState {
+  int num_iterations = 0;                 ///< Done so far.
+  cv::Mat centres;                        ///< num_words x D, CV_32F.
+  std::vector<std::uint32_t> assignment;  ///< N: the centre of each descriptor in the last iteration.
+  double inertia = 0.0;                   ///< Sum of squared distances in the last iteration.
+};
 
 struct KMeansOptions {
   std::size_t num_words = 1000;  ///< More tell places apart better and want more training images.
@@ -18,6 +28,8 @@ struct KMeansOptions {
   std::uint64_t seed = 1;
   int num_threads = 0;  ///< 0: all. The words do not depend on it.
   Progress progress;
+  std::optional<KMeansState> start;                         ///< Of a former run on the same descriptors: goes on from there.
+  std::function<void(const KMeansState&)> after_iteration;  ///< Called after each iteration that another one follows.
 };
 
 /// Words by k-means (Lloyd 1982) from a random choice of `descriptors` (N x D, as float_descriptors makes them). A word that

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include "frontend/fabmap/fabmap2_io.h"
 #include "frontend/fabmap/hypotheses.h"
 #include "frontend/fabmap/place_recognizer.h"
-#include "tests/support/fabmap2_model.h"
 
 namespace fabloop {
 namespace {
@@ -12,7 +12,7 @@ const std::filesystem::path kFolder = std::filesystem::path(FABLOOP_SHARED_DATA_
 
 TEST(FabMap2Model, RanksTheTruePartnerOfEachPairFirst) {
   if (!std::filesystem::is_directory(kFolder)) GTEST_SKIP() << "no FAB-MAP 2.0 model in " << kFolder;
-  const testing::FabMap2Model model = testing::read_fabmap2(kFolder);
+  const FabMap2Model model = read_fabmap2(kFolder);
   ASSERT_EQ(model.tree.num_words(), 10000u);
   ASSERT_EQ(model.true_pairs.size(), 5u);
   // The map holds what was seen before the query, as it would online. Their images join five cameras and show three times the

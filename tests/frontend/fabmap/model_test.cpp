@@ -177,11 +177,11 @@ TEST(ModelTraining, RecognisesThePlacesItWasTrainedOn) {
   ModelTrainingOptions options;
   options.num_words = 200;
   const TrainedModel trained = train_model(36, features_of_image, options);
-  EXPECT_EQ(trained.summary.num_images, 36u);
-  EXPECT_EQ(trained.summary.num_descriptors, 36u * 40u);
-  EXPECT_EQ(trained.summary.num_words, trained.model.vocabulary.num_words());
-  EXPECT_GT(trained.summary.mean_words_per_image, 10.0);
-  EXPECT_GT(trained.summary.mutual_information, 0.0);
+  EXPECT_EQ(trained.report.num_images, 36u);
+  EXPECT_EQ(trained.report.num_descriptors, 36u * 40u);
+  EXPECT_EQ(trained.report.num_words, trained.model.vocabulary.num_words());
+  EXPECT_GT(trained.report.mean_words_per_image, 10.0);
+  EXPECT_GT(trained.report.mutual_information, 0.0);
   PlaceRecognizer recognizer(trained.model);
   const auto observe_image = [&](std::size_t image) {
     return observe(trained.model.vocabulary, features_of_image(image).descriptors);
@@ -212,7 +212,7 @@ TEST(ModelTraining, DoesNotDependOnThreadsOrOnWhatIsKept) {
 TEST(ModelTraining, TakesImagesWithoutFeatures) {
   const auto features = [](std::size_t image) { return image % 2 == 0 ? Features{} : features_of_image(image); };
   const TrainedModel trained = train_model(6, features);
-  EXPECT_EQ(trained.summary.num_images_without_words, 3u);
+  EXPECT_EQ(trained.report.num_images_without_words, 3u);
   EXPECT_NO_THROW(validate(trained.model, "model"));
   EXPECT_THROW(train_model(3, [](std::size_t) { return Features{}; }), InputError);
   EXPECT_THROW(train_model(0, features), InputError);

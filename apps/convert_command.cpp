@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/command.h"
+#include "apps/run_report.h"
+#include "frontend/error.h"
+#include "frontend/fabmap/model.h"
+#include "frontend/fabmap/openfabmap_io.h"
+#include "frontend/fabmap/openfabmap_settings.h"
+
+namespace fabloop::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ConvertArguments {
+  std::vector<std::string> inputs;
+  std::string out;
+  std::string features = "sift";
+  std::optional<double> clahe_clip_limit;
+  std::uint64_t seed = 1;
+  bool root_sift = false;
+  bool gzip = false;
+  bool overwrite = false;
+  int max_features = FeatureOptions{}.max_features;
+};
+
+/// The files given, and those of the folders given.
+std::vector<fs::path> input_files(const ConvertArguments& arguments) {
+  std::vector<fs::path> files;
+  for (const fs::path input : arguments.inputs) {
+    if (!fs::is_directory(input)) {
+      files.push_back(input);
+      continue;
+    }
+    std::vector<fs::path> entries;
+    for (const auto& entry : fs::directory_iterator(input)) {
+      if (entry.is_regular_file()) entries.push_back(entry.path());
+    }
+    std::sort(entries.begin(), entries.end());
+    files.insert(files.end(), entries.begin(), entries.end());
+  }
+  return files;
+}
+
+struct OpenFabMapInputs {
+  OpenFabMapFiles files;
+  fs::path settings;
+};
+
+/// Which file is what, by what is in it.
+OpenFabMapInputs sorted_inputs(const std::vector<fs::path>& files) {
+  OpenFabMapInputs inputs;
+  const auto set = [](fs::path& place, const fs::path& file, const char* what) {
+    if (!place.empty()) throw InputError(file.string() + ": is a second " + what + " beside " + place.string() + "; give one");
+    place = file;
+  };
+  for (const fs::path& file : files) {
+    switch (openfabmap_file_kind(file)) {
+      case OpenFabMapFile::Vocabulary:
+        set(inputs.files.vocabulary, file, "vocabulary");
+        break;
+      case OpenFabMapFile::ChowLiuTree:
+        set(inputs.files.tree, file, "Chow-Liu tree");
+        break;
+      case OpenFabMapFile::BowImages:
+        set(inputs.files.images, file, "file of training images");
+        break;
+      case OpenFabMapFile::Settings:
+        set(inputs.settings, file, "settings file");
+        break;
+    }
+  }
+  return inputs;
+}
+
+/// What was not given is where the settings say, when it is there.
+void complete_from_settings(OpenFabMapInputs& inputs, const OpenFabMapSettings& settings) {
+  const auto complete = [&](fs::path& place, const std::string& named) {
+    if (named.empty()) return;
+    const fs::path path = inputs.settings.parent_path() / named;
+    if (place.empty() && fs::is_regular_file(path)) place = path;
+  };
+  complete(inputs.files.vocabulary, settings.vocabulary_path);
+  complete(inputs.files.tree, settings.tree_path);
+  complete(inputs.files.images, settings.training_images_path);
+}
+
+void require_absent(const fs::path& path, bool overwrite) {
+  if (fs::is_directory(path)) throw InputError(path.string() + ": is a folder; give a file name as --out");
+  if (fs::exists(path) && !overwrite) {
+    throw InputError(path.string() + ": exists already; choose another --out, or give --overwrite to replace it");
+  }
+}
+
+void print_model(const std::string& out, const Model& model) {
+  std::cout << out << ": " << model.vocabulary.num_words() << " words of " << model.vocabulary.words.cols << " numbers, "
+            << model.background.size() << " background images\n";
+}
+
+void convert_to_model(const std::vector<fs::path>& files, const ConvertArguments& arguments, const CommonOptions& common) {
+  require_absent(arguments.out, arguments.overwrite);
+  OpenFabMapInputs inputs = sorted_inputs(files);
+  OpenFabMapReadOptions options;
+  options.features.kind = *feature_kind_from_string(arguments.features);
+  options.features.max_features = arguments.max_features;
+  options.features.root_sift = arguments.root_sift;
+  options.features.clahe_clip_limit = arguments.clahe_clip_limit;
+  options.seed = arguments.seed;
+  options.warn = make_warn(common);
+  OpenFabMapSettings settings;
+  if (!inputs.settings.empty()) {
+    settings = read_openfabmap_settings(inputs.settings, options.warn);
+    complete_from_settings(inputs, settings);
+    options.detector = settings.detector;
+  }
+  const std::string given = arguments.inputs.front();
+  if (inputs.files.vocabulary.empty()) throw InputError(given + ": no file with a Vocabulary was given; a model needs one");
+  if (inputs.files.tree.empty()) throw InputError(given + ": no file with a ChowLiuTree was given; a model needs one");
+  Model model = read_openfabmap_model(inputs.files, options);
+  if (settings.word_dependence == OpenFabMapSettings::WordDependence::NaiveBayes) model.tree = naive_bayes(model.tree);
+  write_model(arguments.out, model);
+  print_model(arguments.out, model);
+}
+
+void convert_to_openfabmap(const fs::path& file, const ConvertArguments& arguments) {
+  const Model model = read_model(file);
+  OpenFabMapWriteOptions options;
+  if (arguments.gzip) options.compression = OpenFabMapWriteOptions::Compression::Gzip;
+  if (arguments.overwrite) options.if_exists = OutputFolder::IfExists::Replace;
+  write_openfabmap_model(arguments.out, model, options);
+  print_model(arguments.out, model);
+}
+
+void run_convert(const ConvertArguments& arguments, const CommonOptions& common) {
+  const std::vector<fs::path> files = input_files(arguments);
+  if (files.empty()) throw InputError(arguments.inputs.front() + ": is an empty folder; give a model, or openFABMAP's files");
+  const auto model = std::find_if(files.begin(), files.end(), is_model_file);
+  if (model == files.end()) return convert_to_model(files, arguments, common);
+  if (files.size() > 1) throw InputError(model->string() + ": is a model; give it alone to have openFABMAP's files made of it");
+  convert_to_openfabmap(*model, arguments);
+}
+
+}  // namespace
+
+void add_convert_command(CLI::App& program, const CommonOptions& common) {
+  const auto arguments = std::make_shared<ConvertArguments>();
+  CLI::App* command = program.add_subcommand("convert", "openFABMAP's files into a model, or a model into openFABMAP's files");
+  command
+      ->add_option("IN", arguments->inputs,
+                   "a model; or openFABMAP's vocabulary, tree and, optionally, training images (BOW) and settings, in any order, "
+                   "or the folder of them")
+      ->required();
+  command->add_option("--out", arguments->out, "model file, or folder for openFABMAP's files, to write")->required();
+  command->add_option("--features", arguments->features, "to a model: what the words were made of; the files do not say")
+      ->check(CLI::IsMember({"sift", "orb", "akaze"}))
+      ->capture_default_str();
+  command->add_option("--max-features", arguments->max_features, "to a model: at most so many features an image")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_flag("--root-sift", arguments->root_sift, "to a model: the words are of RootSIFT, which openFABMAP does not know");
+  command
+      ->add_option("--clahe", arguments->clahe_clip_limit,
+                   "to a model: clip limit of the contrast equalisation, which openFABMAP does not have")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--seed", arguments->seed, "to a model: chooses among more than 1,000 training images")
+      ->capture_default_str();
+  command->add_flag("--gzip", arguments->gzip, "to openFABMAP: compress the matrices");
+  command->add_flag("--overwrite", arguments->overwrite, "replace what exists");
+  command->callback([arguments, &common] { run_convert(*arguments, common); });
+}
+
+}  // namespace fabloop::apps

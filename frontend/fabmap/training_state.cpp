@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "frontend/fabmap/training_state.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <utility>
+
+#include "frontend/error.h"
+#include "frontend/output_file.h"
+
+namespace fabloop {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A state file is: magic, size of the content (u64), its checksum (u64), content. It is read on the machine that wrote it.
+constexpr std::array<char, 8> kMagic = {'F', 'A', 'B', 'L', 'O', 'O', 'P', 'S'};
+constexpr const char* kInputsName = "inputs.txt";
+
+/// FNV-1a (Fowler, Noll and Vo), eight bytes at a time: it finds what a crash or a bad disk leaves, not what an enemy does.
+std::uint64_t checksum(const std::string& bytes) {
+  constexpr std::uint64_t kPrime = 1099511628211ULL;
+  std::uint64_t hash = 14695981039346656037ULL ^ bytes.size();
+  std::size_t i = 0;
+  for (; i + sizeof(std::uint64_t) <= bytes.size(); i += sizeof(std::uint64_t)) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, bytes.data() + i, sizeof(word));
+    hash = (hash ^ word) * kPrime;
+    hash ^= hash >> 32;  // the upper bytes of a word would never reach the lower bits
+  }
+  for (; i < bytes.size(); ++i) hash = (hash ^ static_cast<unsigned char>(bytes[i])) * kPrime;
+  return hash;
+}
+
+std::optional<std::string> text_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return std::nullopt;
+  return std::string{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+/// The first line in which two texts differ, as the second has it.
+std::string first_difference(const std::string& before, const std::string& now) {
+  std::istringstream old_lines(before), new_lines(now);
+  std::string old_line, new_line;
+  while (std::getline(new_lines, new_line)) {
+    if (!std::getline(old_lines, old_line) || old_line != new_line) return "now: " + new_line;
+  }
+  return "there is less now";
+}
+
+/// A folder that nobody else can have filled: empty, or killed before its first file was complete.
+bool is_unused(const fs::path& folder) {
+  return std::all_of(fs::directory_iterator(folder), fs::directory_iterator(), [](const fs::directory_entry& entry) {
+    return entry.path().filename() == std::string(kInputsName) + ".part";
+  });
+}
+
+}  // namespace
+
+TrainingState::TrainingState(fs::path folder, const std::string& inputs, IfFound if_found, Warn warn)
+    : folder_(std::move(folder)), warn_(std::move(warn)) {
+  try {
+    open(inputs, if_found);
+  } catch (const fs::filesystem_error& error) {
+    throw InputError(folder_.string() + ": cannot be used to keep the training's state (" + error.code().message() +
+                     "); choose another --out");
+  }
+}
+
+void TrainingState::open(const std::string& inputs, IfFound if_found) {
+  if (fs::exists(folder_)) {
+    // A file of this name is the unfinished model of a program that kept no state.
+    if (fs::is_regular_file(folder_)) fs::remove(folder_);
+  }
+  fs::create_directories(folder_);
+  const std::optional<std::string> former = text_of(folder_ / kInputsName);
+  if (!former && !is_unused(folder_)) {
+    throw InputError(folder_.string() +
+                     ": is needed for the training's state but holds something else; remove it, or choose "
+                     "another --out");
+  }
+  if (former == inputs && if_found == IfFound::Resume) return;
+  if (former && if_found == IfFound::Resume && warn_) {
+    warn_(folder_.string() + " was left by a training on other images or with other options (" +
+          first_difference(*former, inputs) + "); starting anew");
+  }
+  fs::remove_all(folder_);
+  fs::create_directories(folder_);
+  try {
+    OutputFile file(folder_ / kInputsName);
+    file.stream() << inputs;
+    file.commit();
+  } catch (const InputError& error) {
+    give_up(error.what());
+  }
+}
+
+void TrainingState::give_up(const std::string& why) {
+  if (warn_) warn_(why + "; the training goes on, but if it is stopped it must start anew");
+  discard();
+}
+
+void TrainingState::discard() {
+  std::error_code ignored;
+  if (keeps()) fs::remove_all(folder_, ignored);
+  folder_.clear();
+}
+
+bool TrainingState::has(const std::string& name) const { return keeps() && fs::exists(folder_ / name); }
+
+void TrainingState::warn_damaged(const std::string& name) const {
+  if (warn_) warn_((folder_ / name).string() + " is damaged; what it held is done again");
+}
+
+void TrainingState::remove(const std::string& name) {
+  std::error_code ignored;
+  if (keeps()) fs::remove(folder_ / name, ignored);
+}
+
+std::optional<StateBytes> TrainingState::read(const std::string& name) const {
+  if (!has(name)) return std::nullopt;
+  std::ifstream file(folder_ / name, std::ios::binary);
+  std::array<char, kMagic.size()> magic{};
+  std::uint64_t size = 0, expected = 0;
+  file.read(magic.data(), magic.size());
+  file.read(reinterpret_cast<char*>(&size), sizeof(size));
+  file.read(reinterpret_cast<char*>(&expected), sizeof(expected));
+  std::error_code error;
+  const auto file_size = fs::file_size(folder_ / name, error);
+  if (file && !error && magic == kMagic && file_size == magic.size() + sizeof(size) + sizeof(expected) + size) {
+    std::string bytes(size, '\0');
+    if (file.read(bytes.data(), static_cast<std::streamsize>(size)) && checksum(bytes) == expected) {
+      return StateBytes(std::move(bytes));
+    }
+  }
+  warn_damaged(name);
+  return std::nullopt;
+}
+
+void TrainingState::write(const std::string& name, const StateBytes& bytes) {
+  if (!keeps()) return;
+  const std::uint64_t size = bytes.bytes().size(), sum = checksum(bytes.bytes());
+  try {
+    OutputFile file(folder_ / name);
+    file.stream().write(kMagic.data(), kMagic.size());
+    file.stream().write(reinterpret_cast<const char*>(&size), sizeof(size));
+    file.stream().write(reinterpret_cast<const char*>(&sum), sizeof(sum));
+    file.stream().write(bytes.bytes().data(), static_cast<std::streamsize>(size));
+    file.commit();
+  } catch (const InputError& error) {
+    give_up(error.what());
+  }
+}
+
+}  // namespace fabloop
