@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <span>
@@ -41,12 +42,16 @@ class RowSearch {
   NearestRows near(const cv::Mat& points, int num_threads, std::span<const std::uint32_t> guesses = {}) const;
 
  private:
+  static constexpr std::uint32_t kNoRow = std::numeric_limits<std::uint32_t>::max();
   struct Batch;
   struct Cell {
     std::size_t begin = 0, end = 0;  ///< Panels.
   };
 
   std::size_t num_panels() const;
+  /// A row's coordinates are (c, |c|^2) and a point's (-2 c, 1), so that their product is the squared distance less |c|^2 of
+  /// the point. Returns |c|^2.
+  static double append_squared_norm(std::span<float> coordinates);
   void add_panels(std::span<const std::uint32_t> rows, const std::vector<float>& coordinates);
   void make_cells(const std::vector<float>& coordinates);
   void start(Batch& batch, const cv::Mat& points, std::span<const std::uint32_t> guesses) const;
