@@ -31,7 +31,8 @@ class Familiarity {
   std::vector<double> rank_;  ///< Of each word, from 1; the mean of ranks where frequencies are equal.
 };
 
-/// How well the held-out images are explained by the others. None when no held-out image has words.
+/// How well the held-out images are explained by the others. None when fewer than 12 of them have words (about 60 training
+/// images are needed): too few to tell what is usual.
 std::optional<Domain> measure_domain(const HeldOut& held_out);
 
 struct DomainCheckOptions {

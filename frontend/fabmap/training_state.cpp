@@ -71,10 +71,8 @@ TrainingState::TrainingState(fs::path folder, const std::string& inputs, IfFound
 }
 
 void TrainingState::open(const std::string& inputs, IfFound if_found) {
-  if (fs::exists(folder_)) {
-    // A file of this name is the unfinished model of a program that kept no state.
-    if (fs::is_regular_file(folder_)) fs::remove(folder_);
-  }
+  // A file of this name is the unfinished model of a program that kept no state.
+  if (fs::is_regular_file(folder_)) fs::remove(folder_);
   fs::create_directories(folder_);
   const std::optional<std::string> former = text_of(folder_ / kInputsName);
   if (!former && !is_unused(folder_)) {

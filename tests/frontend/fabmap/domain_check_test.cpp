@@ -99,7 +99,7 @@ TEST_F(DomainCheckTest, ChecksNothingWithoutADomain) {
 }
 
 TEST(Domain, ComesBackFromJsonAndRefusesDisorder) {
-  const auto held_out = hold_out(TreeSampler(random_tree(50, 0.2, 1), 1).draw(30), 50);
+  const auto held_out = hold_out(TreeSampler(random_tree(50, 0.2, 1), 1).draw(80), 50);
   const Domain domain = measure_domain(held_out.value()).value();
   EXPECT_THAT(domain.familiarity, SizeIs(101));
   const Domain read = domain_from_json(to_json(domain));
@@ -114,9 +114,10 @@ TEST(Domain, ComesBackFromJsonAndRefusesDisorder) {
   EXPECT_THROW(domain_from_json(to_json(disorder)), InputError);
 }
 
-TEST(Domain, NeedsImagesWithWords) {
+TEST(Domain, NeedsEnoughImagesWithWords) {
+  EXPECT_FALSE(measure_domain(hold_out(std::vector<Observation>(50, {{1}}), 3).value()));
   EXPECT_FALSE(hold_out(std::vector<Observation>(9), 3));
-  EXPECT_FALSE(measure_domain(hold_out(std::vector<Observation>(20), 3).value()));
+  EXPECT_FALSE(measure_domain(hold_out(std::vector<Observation>(100), 3).value()));
 }
 
 TEST(HeldOut, AreBlocksThatTheTreeDoesNotKnow) {
