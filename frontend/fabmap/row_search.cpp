@@ -19,7 +19,7 @@ constexpr std::uint32_t kNoRow = std::numeric_limits<std::uint32_t>::max();
 constexpr float kMaxFloat = std::numeric_limits<float>::max();
 constexpr int kMinRowsForCells = 256;
 constexpr double kCellsPerRootOfRows = 1.28;
-constexpr std::size_t kVisitedPart = 10;  ///< One of so many cells.
+constexpr std::size_t kVisitedPart = 8;  ///< One of so many cells.
 constexpr std::size_t kMinVisited = 4;
 
 /// Points that stay in the first-level cache together with a panel: a multiple of the six that the kernel takes at once.
@@ -53,7 +53,7 @@ struct RowSearch::Batch {
   std::vector<float> squared_distances;      ///< Of the best row so far.
   std::vector<std::uint32_t> rows;           ///< The best so far.
   std::vector<std::uint32_t> nearest_cells;  ///< N.
-  std::vector<std::uint32_t> other_cells;    ///< About a tenth of all for each point, the next nearest.
+  std::vector<std::uint32_t> other_cells;    ///< About an eighth of all for each point, the next nearest.
   std::vector<std::size_t> other_starts;     ///< Of each point in other_cells, and the end of the last.
   std::vector<float> block_coordinates;      ///< Of scan().
   std::vector<float> block_limits;           ///< Of scan().
@@ -221,7 +221,7 @@ namespace {
 
 /// A number that about `wanted` of the others do not exceed, found by halving: never fewer, and more only where they are close.
 float limit_for(std::span<const float> numbers, std::size_t wanted) {
-  constexpr int kHalvings = 12;
+  constexpr int kHalvings = 9;
   const auto [min, max] = std::minmax_element(numbers.begin(), numbers.end());
   float low = *min, high = *max;
   for (int i = 0; i < kHalvings; ++i) {
@@ -347,10 +347,18 @@ NearestRows RowSearch::nearest(const cv::Mat& points, int num_threads, std::span
   });
 }
 
+/// A bound is reached where two remainders point the same way, which they hardly ever do: twice the product of their lengths
+/// times one less the cosine is missing from it. Here, half of that product is expected at least.
+void RowSearch::expect_remainders_to_differ(Batch& batch) const {
+  constexpr float kMaxCosine = 0.6F;
+  for (std::size_t i = 0; i < batch.size(); ++i) batch.coordinates[(i + 1) * num_coordinates_ - 2] *= kMaxCosine;
+}
+
 NearestRows RowSearch::near(const cv::Mat& points, int num_threads, std::span<const std::uint32_t> guesses) const {
   if (cells_.empty()) return nearest(points, num_threads, guesses);
   return in_batches(points, num_threads, [&](Batch& batch, const cv::Mat& some, std::size_t begin) {
     start(batch, some, guesses.empty() ? guesses : guesses.subspan(begin, static_cast<std::size_t>(some.rows)));
+    expect_remainders_to_differ(batch);
     rank_cells(batch);
     visit_nearest_cells(batch);
     visit_other_cells(batch);

@@ -36,7 +36,7 @@ class RowSearch {
   /// point; the nearer it is, the faster the search. `points`: N x D, CV_32F, continuous.
   NearestRows nearest(const cv::Mat& points, int num_threads, std::span<const std::uint32_t> guesses = {}) const;
 
-  /// Looks only at the guess and into the cells nearest to each point, a tenth of all. Where the rows have no structure that a
+  /// Looks only at the guess and into the cells nearest to each point, an eighth of all. Where the rows have no structure that a
   /// projection could use, it is exhaustive. Depends on neither threads nor the other points.
   NearestRows near(const cv::Mat& points, int num_threads, std::span<const std::uint32_t> guesses = {}) const;
 
@@ -51,6 +51,7 @@ class RowSearch {
   void make_cells(const std::vector<float>& coordinates);
   void start(Batch& batch, const cv::Mat& points, std::span<const std::uint32_t> guesses) const;
   void rank_cells(Batch& batch) const;
+  void expect_remainders_to_differ(Batch& batch) const;
   void visit_nearest_cells(Batch& batch) const;
   void visit_other_cells(Batch& batch) const;
   void scan(Batch& batch, std::span<const std::uint32_t> members, std::size_t begin, std::size_t end) const;

@@ -13,7 +13,7 @@ namespace fabloop {
 /// How words are looked for.
 enum class WordSearch {
   Exact,        ///< The nearest word.
-  Approximate,  ///< The nearest word of a tenth of the vocabulary: some three times faster. Of RootSIFT's 98 % get the same word.
+  Approximate,  ///< Looks into an eighth of the vocabulary: some three times faster. 98 % of RootSIFT get the same word.
 };
 
 struct WordFinderOptions {

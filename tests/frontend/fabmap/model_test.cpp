@@ -40,7 +40,10 @@ std::string bytes_of(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-void write_bytes(const fs::path& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
+void write_bytes(const fs::path& path, const std::string& bytes) {
+  fs::remove(path);  // Some file systems wait for the disk when a file is truncated.
+  std::ofstream(path, std::ios::binary) << bytes;
+}
 
 Model some_model() {
   Model model;
