@@ -90,11 +90,11 @@ TEST(Prior, IsUniformWithoutKnowledge) {
 }
 
 TEST(Prior, LeavesOutRecentPlaces) {
-  const Prior prior = without_recent_places({0.2, {0.1, 0.3, 0.4}}, 2);
+  const Prior prior = without_recent_places(Prior{0.2, {0.1, 0.3, 0.4}}, 2);
   EXPECT_NEAR(prior.p_new, 2.0 / 3.0, kRounding);
   EXPECT_NEAR(prior.p_place[0], 1.0 / 3.0, kRounding);
   EXPECT_EQ(prior.p_place[1] + prior.p_place[2], 0.0);
-  EXPECT_EQ(without_recent_places({0.0, {0.0, 1.0}}, 1).p_new, 1.0);
+  EXPECT_EQ(without_recent_places(Prior{0.0, {0.0, 1.0}}, 1).p_new, 1.0);
   EXPECT_EQ(without_recent_places(uniform_prior(2), 5).p_new, 1.0);
 }
 
