@@ -10,8 +10,8 @@
 namespace fabloop {
 
 struct RecognitionTruthOptions {
-  PoseRules poses;                      ///< For truths that are poses.
-  PairRules pairs;                      ///< For truths that are pairs.csv.
+  PoseRules poses{};                    ///< For truths that are poses.
+  PairRules pairs{};                    ///< For truths that are pairs.csv.
   std::size_t exclusion_window = 10;    ///< Within one sequence; see ExclusionWindow.
   double max_time_difference_s = 0.01;  ///< Between an image and its pose.
 };
