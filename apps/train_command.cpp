@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "apps/command.h"
+#include "apps/feature_arguments.h"
 #include "apps/progress_bar.h"
 #include "frontend/error.h"
 #include "frontend/fabmap/model_training.h"
@@ -21,7 +22,7 @@ struct TrainArguments {
   std::vector<std::string> sequences;
   std::string out;
   std::string camera;
-  std::string features = "sift";
+  FeatureArguments features;
   std::string method = "kmeans";
   std::optional<std::size_t> num_words;
   bool overwrite = false;
@@ -42,7 +43,7 @@ void require_writable(const std::filesystem::path& path, bool overwrite) {
 /// The options that decide what the model is, without paths, so that the same training gives the same file anywhere.
 std::string canonical_command(const TrainArguments& arguments) {
   std::ostringstream text;
-  text << "train --features " << arguments.features << " --max-features " << arguments.options.features.max_features
+  text << "train --features " << to_string(arguments.options.features.kind) << " --max-features " << arguments.options.features.max_features
        << " --method " << arguments.method;
   if (arguments.num_words) text << " --words " << *arguments.num_words;
   if (arguments.options.method == VocabularyMethod::Radius) text << " --radius " << arguments.options.radius;
@@ -62,7 +63,7 @@ void print_summary(const std::string& out, const TrainingSummary& summary) {
 void run_train(TrainArguments& arguments, const CommonOptions& common) {
   require_writable(arguments.out, arguments.overwrite);
   ModelTrainingOptions& options = arguments.options;
-  options.features.kind = *feature_kind_from_string(arguments.features);
+  options.features = asked_features(arguments.features);
   options.method = arguments.method == "radius" ? VocabularyMethod::Radius : VocabularyMethod::KMeans;
   options.num_words = arguments.num_words;
   options.num_threads = common.num_threads;
@@ -88,12 +89,7 @@ void add_train_command(CLI::App& program, const CommonOptions& common) {
       ->required();
   command->add_option("--out", arguments->out, "model file to write")->required();
   command->add_option("--camera", arguments->camera, "calibration file of all sequences (default: camera.yaml, else EXIF)");
-  command->add_option("--features", arguments->features, "what to detect")
-      ->check(CLI::IsMember({"sift", "orb", "akaze"}))
-      ->capture_default_str();
-  command->add_option("--max-features", options.features.max_features, "at most so many features an image")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  add_feature_arguments(command, arguments->features, "");
   command->add_option("--method", arguments->method, "how descriptors become words")
       ->check(CLI::IsMember({"kmeans", "radius"}))
       ->capture_default_str();

@@ -31,14 +31,14 @@ LoopCloser::LoopCloser(const Camera& camera, const Model& model, const LoopClose
     : camera_(camera),
       options_(options),
       vocabulary_(model.vocabulary),
-      feature_kind_(model.features.kind),
+      descriptor_kind_(model.features.kind.descriptor),
       recognizer_(model, options.recognizer),
       verifier_(options.verifier) {}
 
 LoopEvent LoopCloser::add_keyframe(Keyframe keyframe) {
-  if (keyframe.features.kind != feature_kind_) {
-    throw InputError("the model knows " + std::string(to_string(feature_kind_)) + " features, the keyframe has " +
-                     std::string(to_string(keyframe.features.kind)) + "; extract with the model's options");
+  if (keyframe.features.descriptor_kind != descriptor_kind_) {
+    throw InputError("the model knows " + std::string(to_string(descriptor_kind_)) + " descriptors, the keyframe has " +
+                     std::string(to_string(keyframe.features.descriptor_kind)) + "; extract with the model's options");
   }
   LoopEvent event;
   event.query = keyframe.frame;

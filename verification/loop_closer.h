@@ -85,7 +85,7 @@ class LoopCloser {
   Camera camera_;
   LoopCloserOptions options_;
   Vocabulary vocabulary_;
-  FeatureKind feature_kind_;
+  DescriptorKind descriptor_kind_;
   PlaceRecognizer recognizer_;
   Verifier verifier_;
   std::optional<Belief> belief_;
