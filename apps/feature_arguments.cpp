@@ -14,8 +14,9 @@ std::string check_feature_kind(const std::string& text) {
 
 void add_feature_option_arguments(CLI::App* command, FeatureArguments& arguments, const std::string& otherwise) {
   command
-      ->add_option("--max-features", arguments.max_features,
-                   "at most so many features an image (default: " + otherwise + std::to_string(FeatureOptions{}.max_features) + ")")
+      ->add_option(
+          "--max-features", arguments.max_features,
+          "at most so many features an image (default: " + otherwise + std::to_string(FeatureOptions{}.max_features) + ")")
       ->check(CLI::PositiveNumber);
   command->add_option("--settings", arguments.settings,
                       "YAML file with options of features, ours or openFABMAP's (`fabloop features --print-settings`)");

@@ -43,8 +43,8 @@ void require_writable(const std::filesystem::path& path, bool overwrite) {
 /// The options that decide what the model is, without paths, so that the same training gives the same file anywhere.
 std::string canonical_command(const TrainArguments& arguments) {
   std::ostringstream text;
-  text << "train --features " << to_string(arguments.options.features.kind) << " --max-features " << arguments.options.features.max_features
-       << " --method " << arguments.method;
+  text << "train --features " << to_string(arguments.options.features.kind) << " --max-features "
+       << arguments.options.features.max_features << " --method " << arguments.method;
   if (arguments.num_words) text << " --words " << *arguments.num_words;
   if (arguments.options.method == VocabularyMethod::Radius) text << " --radius " << arguments.options.radius;
   text << " --seed " << arguments.options.seed;

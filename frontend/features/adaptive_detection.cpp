@@ -44,7 +44,8 @@ std::size_t num_kept(const std::vector<float>& responses, double threshold, cons
   if (given <= most) return given;
   const auto weakest = responses[most - 1];
   if (responses[most] != weakest) return most;
-  const auto stronger = static_cast<std::size_t>(std::partition_point(responses.begin(), responses.end(), [&](float r) { return r > weakest; }) - responses.begin());
+  const auto stronger = static_cast<std::size_t>(
+      std::partition_point(responses.begin(), responses.end(), [&](float r) { return r > weakest; }) - responses.begin());
   return stronger >= least ? stronger : at_least(weakest);
 }
 
@@ -64,7 +65,8 @@ std::vector<cv::KeyPoint> cut_by_response(const cv::Mat& image, const FeatureOpt
 /// How far a number is from the wanted ones: negative below, positive above.
 std::ptrdiff_t miss(std::size_t count, const AdaptiveOptions& adaptive) {
   const auto number = static_cast<std::ptrdiff_t>(count);
-  return std::min<std::ptrdiff_t>(0, number - adaptive.min_features) + std::max<std::ptrdiff_t>(0, number - adaptive.max_features);
+  return std::min<std::ptrdiff_t>(0, number - adaptive.min_features) +
+         std::max<std::ptrdiff_t>(0, number - adaptive.max_features);
 }
 
 std::vector<cv::KeyPoint> bisect(const cv::Mat& image, const FeatureOptions& options) {

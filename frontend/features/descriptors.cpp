@@ -51,8 +51,7 @@ void set_angles(const cv::Mat& image, const FeatureOptions& options, std::vector
   cv::Mat blurred;
   cv::GaussianBlur(image, blurred, {}, options.sift.sigma);
   for (cv::KeyPoint& keypoint : keypoints) {
-    if (has_none(keypoint))
-      keypoint.angle = dominant_angle(blurred, keypoint.pt, spot_size(options.kind.detector, keypoint));
+    if (has_none(keypoint)) keypoint.angle = dominant_angle(blurred, keypoint.pt, spot_size(options.kind.detector, keypoint));
   }
 }
 

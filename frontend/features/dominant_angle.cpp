@@ -19,7 +19,8 @@ float at(const Histogram& histogram, int bin) { return histogram[static_cast<std
 Histogram smoothed(const Histogram& raw) {
   Histogram result{};
   for (int i = 0; i < kBins; ++i) {
-    result[static_cast<std::size_t>(i)] = (at(raw, i - 2) + at(raw, i + 2) + 4.0F * (at(raw, i - 1) + at(raw, i + 1)) + 6.0F * at(raw, i)) / 16.0F;
+    result[static_cast<std::size_t>(i)] =
+        (at(raw, i - 2) + at(raw, i + 2) + 4.0F * (at(raw, i - 1) + at(raw, i + 1)) + 6.0F * at(raw, i)) / 16.0F;
   }
   return result;
 }

@@ -90,7 +90,8 @@ FeatureExtractor::FeatureExtractor(const FeatureOptions& options) : options_(opt
 Features FeatureExtractor::extract(const cv::Mat& gray) const {
   assert(!gray.empty() && gray.type() == CV_8UC1 && "extract() takes an 8-bit grey image");
   const cv::Mat image = equalized(gray, options_.clahe_clip_limit);
-  Features features = describes_at_once(options_) ? describe_all_then_choose(image, options_) : choose_then_describe(image, options_);
+  Features features =
+      describes_at_once(options_) ? describe_all_then_choose(image, options_) : choose_then_describe(image, options_);
   keep_finite(features);
   return features;
 }

@@ -99,8 +99,9 @@ void require_sensible(const FeatureKind& kind) {
   const bool is_choosy = kind.descriptor == DescriptorKind::Akaze || kind.descriptor == DescriptorKind::Kaze;
   const std::string detector(to_string(kind.detector)), descriptor(to_string(kind.descriptor));
   if (!is_choosy || detector == descriptor) return;
-  throw InputError("features " + to_string(kind) + ": " + descriptor + " describes in the scale space of its own detector only; give " +
-                   descriptor + ", or " + detector + " with sift, surf, orb or brisk (" + detector + "+sift)");
+  throw InputError("features " + to_string(kind) + ": " + descriptor +
+                   " describes in the scale space of its own detector only; give " + descriptor + ", or " + detector +
+                   " with sift, surf, orb or brisk (" + detector + "+sift)");
 }
 
 std::vector<FeatureKind> default_feature_kinds() {

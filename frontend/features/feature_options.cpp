@@ -112,7 +112,8 @@ void validate(const FeatureOptions& options) {
   validate_scale_spaces(options);
   validate_single_scales(options);
   if (options.star.suppression_px % 2 == 0)
-    throw InputError("feature options: star.suppression_px is " + std::to_string(options.star.suppression_px) + "; give an odd number");
+    throw InputError("feature options: star.suppression_px is " + std::to_string(options.star.suppression_px) +
+                     "; give an odd number");
   const bool is_brisk = options.kind.descriptor == DescriptorKind::Brisk;
   if (is_brisk && options.orientation == Orientation::Upright) {
     throw InputError("feature options: orientation is upright, but brisk always turns; give another descriptor, or dominant");

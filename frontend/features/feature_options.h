@@ -30,11 +30,11 @@ struct StarOptions {
 
 /// MSER's regions.
 struct MserOptions {
-  int delta = 5;                 ///< Grey levels over which a region must be stable: more finds fewer.
-  int min_area_px = 60;          ///< Smallest region.
-  int max_area_px = 14400;       ///< Largest region.
-  double max_variation = 0.25;   ///< Largest relative growth over delta that is stable: less finds fewer.
-  double min_diversity = 0.2;    ///< Least relative difference between regions inside one another.
+  int delta = 5;                ///< Grey levels over which a region must be stable: more finds fewer.
+  int min_area_px = 60;         ///< Smallest region.
+  int max_area_px = 14400;      ///< Largest region.
+  double max_variation = 0.25;  ///< Largest relative growth over delta that is stable: less finds fewer.
+  double min_diversity = 0.2;   ///< Least relative difference between regions inside one another.
 };
 
 /// ORB's pyramid.

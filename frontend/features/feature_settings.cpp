@@ -59,7 +59,8 @@ bool is_option(const std::string& key) {
 void read_value(const YamlFile& file, const YAML::Node& key, const YAML::Node& value, const std::string& section,
                 FeatureOptions& options) {
   const std::string name = (section.empty() ? "" : section + ".") + key.as<std::string>();
-  if (!is_option(name)) file.fail(key.Mark(), "'" + name + "' is no option of features; `fabloop features --print-settings` shows all");
+  if (!is_option(name))
+    file.fail(key.Mark(), "'" + name + "' is no option of features; `fabloop features --print-settings` shows all");
   const std::string text = value.IsNull() ? "none" : value.IsScalar() ? value.Scalar() : "a list";
   const std::string expected = set_option(options, name, text);
   if (!expected.empty()) file.fail(key.Mark(), name + " is '" + text + "'; give " + expected);
@@ -80,8 +81,7 @@ void read_section(const YamlFile& file, const YAML::Node& key, const YAML::Node&
 /// Options that matter to a kind: those of no section, of its detector and of its descriptor.
 bool matters(const std::string& key, const FeatureKind& kind) {
   const std::string section = parts_of(key).section;
-  return section.empty() || section == "adaptive" || section == to_string(kind.detector) ||
-         section == to_string(kind.descriptor);
+  return section.empty() || section == "adaptive" || section == to_string(kind.detector) || section == to_string(kind.descriptor);
 }
 
 struct OptionText {

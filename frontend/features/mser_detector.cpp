@@ -43,8 +43,8 @@ cv::KeyPoint keypoint_of(const std::vector<cv::Point>& region, const cv::Rect& b
 }  // namespace
 
 std::vector<cv::KeyPoint> detect_mser(const cv::Mat& gray, const MserOptions& options, double threshold) {
-  const auto mser = cv::MSER::create(options.delta, options.min_area_px, options.max_area_px, options.max_variation,
-                                     options.min_diversity);
+  const auto mser =
+      cv::MSER::create(options.delta, options.min_area_px, options.max_area_px, options.max_variation, options.min_diversity);
   std::vector<std::vector<cv::Point>> regions;
   std::vector<cv::Rect> boxes;
   mser->detectRegions(gray, regions, boxes);

@@ -133,7 +133,8 @@ std::string lower_case(std::string text) {
 /// The kind that a type's name means; openFABMAP writes them in capitals.
 std::string type_name(const YamlFile& file, const YAML::Node& section, const char* key) {
   const YAML::Node value = section[key];
-  if (!value.IsDefined() || !value.IsScalar()) file.fail(section.Mark(), std::string("FeatureOptions has no ") + key + " (\"SURF\", ...)");
+  if (!value.IsDefined() || !value.IsScalar())
+    file.fail(section.Mark(), std::string("FeatureOptions has no ") + key + " (\"SURF\", ...)");
   return lower_case(value.Scalar());
 }
 

@@ -158,8 +158,8 @@ std::vector<cv::KeyPoint> detect_star(const cv::Mat& gray, const StarOptions& op
   }
   std::erase_if(keypoints, [&](const cv::KeyPoint& keypoint) {
     const int radius = radii[static_cast<std::size_t>(keypoint.octave)];
-    return is_line(best.index, static_cast<int>(std::lround(keypoint.pt.x)), static_cast<int>(std::lround(keypoint.pt.y)),
-                   radius, options.line_threshold_scale);
+    return is_line(best.index, static_cast<int>(std::lround(keypoint.pt.x)), static_cast<int>(std::lround(keypoint.pt.y)), radius,
+                   options.line_threshold_scale);
   });
   return keypoints;
 }

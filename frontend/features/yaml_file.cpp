@@ -10,8 +10,9 @@
 namespace fabloop {
 
 void YamlFile::fail(const YAML::Mark& mark, const std::string& what) const {
-  const std::string line = mark.is_null() ? "" : ":" + std::to_string(mark.line + 1);
-  throw InputError(path.string() + line + ": " + what);
+  std::string where = path.string();
+  if (!mark.is_null()) where.append(":").append(std::to_string(mark.line + 1));
+  throw InputError(where + ": " + what);
 }
 
 YamlFile read_yaml_file(const std::filesystem::path& path) {

@@ -36,12 +36,17 @@ std::string size_text(int width, int height) { return std::to_string(width) + "x
 
 }  // namespace
 
-cv::Mat read_gray_image(const fs::path& image_path, const Camera& camera) {
+cv::Mat read_gray_image(const fs::path& image_path) {
   const std::vector<std::uint8_t> bytes = read_bytes(image_path);
   if (!is_complete_image(bytes)) throw InputError(image_path.string() + ": the image is truncated; copy it again or remove it");
-  cv::Mat gray = decode_gray(bytes);
+  const cv::Mat gray = decode_gray(bytes);
   if (gray.empty())
     throw InputError(image_path.string() + ": the image is damaged or of an unknown kind; copy it again or remove it");
+  return gray;
+}
+
+cv::Mat read_gray_image(const fs::path& image_path, const Camera& camera) {
+  cv::Mat gray = read_gray_image(image_path);
   if (gray.cols != camera.width || gray.rows != camera.height) {
     throw InputError(image_path.string() + ": the image is " + size_text(gray.cols, gray.rows) +
                      " pixels, but the calibration is for " + size_text(camera.width, camera.height) +
