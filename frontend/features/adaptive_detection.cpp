@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -19,11 +18,10 @@ namespace {
 std::optional<double> threshold_per_response(const FeatureOptions& options) {
   switch (options.kind.detector) {
     case DetectorKind::Orb:
+    case DetectorKind::Agast:
       return std::nullopt;
     case DetectorKind::Fast:
       return options.fast.non_max_suppression ? std::optional(1.0) : std::nullopt;
-    case DetectorKind::Agast:
-      return options.agast.non_max_suppression ? std::optional(1.0) : std::nullopt;
     case DetectorKind::Sift:
       return options.sift.layers_per_octave;  // OpenCV spreads the contrast over the layers
     default:
@@ -62,38 +60,37 @@ std::vector<cv::KeyPoint> cut_by_response(const cv::Mat& image, const FeatureOpt
   return keypoints;
 }
 
-/// How far a number is from the wanted ones: negative below, positive above.
-std::ptrdiff_t miss(std::size_t count, const AdaptiveOptions& adaptive) {
-  const auto number = static_cast<std::ptrdiff_t>(count);
-  return std::min<std::ptrdiff_t>(0, number - adaptive.min_features) +
-         std::max<std::ptrdiff_t>(0, number - adaptive.max_features);
+/// Whether `count` comes nearer to what is wanted than `other`: enough before too few, then the fewer too many, then the more.
+bool is_nearer(std::size_t count, std::size_t other, std::size_t wanted) {
+  if ((count >= wanted) != (other >= wanted)) return count >= wanted;
+  return count >= wanted ? count < other : count > other;
 }
 
 std::vector<cv::KeyPoint> bisect(const cv::Mat& image, const FeatureOptions& options) {
   constexpr double kHighest = 255.0;  // grey levels: all that are bisected have them as their unit
   const AdaptiveOptions& adaptive = *options.adaptive;
+  const auto least = static_cast<std::size_t>(adaptive.min_features), most = static_cast<std::size_t>(adaptive.max_features);
   double threshold = std::clamp(detection_threshold(options), 1.0, kHighest);
   double low = std::max(1.0, threshold * adaptive.min_threshold_ratio), high = kHighest;
-  std::vector<cv::KeyPoint> best;
-  std::ptrdiff_t least_miss = std::numeric_limits<std::ptrdiff_t>::max();
+  bool is_low_tried = false;
+  std::optional<std::vector<cv::KeyPoint>> best;
   for (int i = 0; i < adaptive.max_iterations; ++i) {
     std::vector<cv::KeyPoint> keypoints = detect(image, options, threshold);
-    const std::ptrdiff_t missed = miss(keypoints.size(), adaptive);
-    if (std::abs(missed) < least_miss) {
-      least_miss = std::abs(missed);
-      best = std::move(keypoints);
+    const std::size_t count = keypoints.size();
+    if (!best || is_nearer(count, best->size(), least)) best = std::move(keypoints);
+    if (count >= least && count <= most) break;
+    is_low_tried |= std::lround(threshold) == std::lround(low);
+    (count < least ? high : low) = threshold;
+    is_low_tried |= count > most;
+    if (std::lround(high) - std::lround(low) > 1) {
+      threshold = std::sqrt(low * high);
+    } else if (!is_low_tried) {
+      threshold = low;  // thresholds are whole numbers, and only the lowest is left
+    } else {
+      break;
     }
-    if (missed == 0) break;
-    (missed < 0 ? high : low) = threshold;
-    if (std::lround(high) - std::lround(low) <= 1 && i > 0) {
-      // Grey levels are whole numbers: only the lowest may not have been tried.
-      if (missed > 0 || threshold <= low) break;
-      threshold = low;
-      continue;
-    }
-    threshold = std::sqrt(low * high);
   }
-  return best;
+  return *best;
 }
 
 }  // namespace

@@ -36,7 +36,14 @@ int orb_level(double size, const cv::Size& image, const OrbOptions& options) {
   return std::clamp(wanted, 0, std::max(0, std::min(options.num_levels - 1, static_cast<int>(most))));
 }
 
-float brisk_size(double size) { return static_cast<float>(kWindowPerSpot * size * 12.0 / 18.4); }
+/// BRISK's pattern reaches 0.92 sizes far (18.4 pixels across without its smoothing at size 12).
+constexpr double kBriskReach = 0.92;
+
+/// Large spots would need more than the image has: the pattern takes at most half of it.
+float brisk_size(double size, const cv::Size& image) {
+  const double most = std::min(image.width, image.height) / 4.0 / kBriskReach;
+  return static_cast<float>(std::min(most, kWindowPerSpot * size * 12.0 / 18.4));
+}
 
 bool is_own(const FeatureKind& kind) { return to_string(kind.detector) == to_string(kind.descriptor); }
 
@@ -70,7 +77,7 @@ std::vector<cv::KeyPoint> translated(const std::vector<cv::KeyPoint>& keypoints,
         keypoint.octave = orb_level(size, image, options.orb);
         break;
       case DescriptorKind::Brisk:
-        keypoint.size = brisk_size(size);
+        keypoint.size = brisk_size(size, image);
         break;
       default:
         break;
@@ -160,7 +167,8 @@ void erase_undescribable(std::vector<cv::KeyPoint>& keypoints, const cv::Size& i
   const DescriptorKind kind = options.kind.descriptor;
   if (is_own(options.kind) || (kind != DescriptorKind::Orb && kind != DescriptorKind::Brisk)) return;
   std::erase_if(keypoints, [&](const cv::KeyPoint& keypoint) {
-    const double brisk_reach = 0.92 * options.brisk.pattern_scale * brisk_size(spot_size(options.kind.detector, keypoint)) + 2.0;
+    const double size = brisk_size(spot_size(options.kind.detector, keypoint), image);
+    const double brisk_reach = kBriskReach * options.brisk.pattern_scale * size + 2.0;
     const double margin = kind == DescriptorKind::Orb ? options.orb.patch_size_px : brisk_reach;
     return keypoint.pt.x < margin || keypoint.pt.y < margin || keypoint.pt.x >= image.width - margin ||
            keypoint.pt.y >= image.height - margin;
@@ -171,6 +179,9 @@ Features describe(const cv::Mat& image, std::vector<cv::KeyPoint> keypoints, con
   Features features;
   if (!keypoints.empty()) features = describe_kind(image, keypoints, options);
   features.descriptor_kind = options.kind.descriptor;
+  if (options.orientation == Orientation::Upright) {
+    for (cv::KeyPoint& keypoint : features.keypoints) keypoint.angle = 0;  // AKAZE's keep theirs
+  }
   const DescriptorLayout layout = descriptor_layout(options.kind.descriptor);
   if (features.keypoints.empty()) features.descriptors.create(0, layout.size, layout.cv_type);
   if (options.kind.descriptor == DescriptorKind::Sift && options.root_sift) turn_into_root_sift(features.descriptors);

@@ -26,7 +26,8 @@ cv::Mat equalized(const cv::Mat& gray, const std::optional<double>& clip_limit) 
 }
 
 std::vector<std::size_t> evenly(const std::vector<cv::KeyPoint>& keypoints, const cv::Mat& image, const FeatureOptions& options) {
-  return spatially_even(keypoints, image.size(), static_cast<std::size_t>(options.max_features));
+  const int most = options.adaptive ? std::min(options.max_features, options.adaptive->max_features) : options.max_features;
+  return spatially_even(keypoints, image.size(), static_cast<std::size_t>(most));
 }
 
 /// Whether describing everything that is detected costs less than looking at the image twice: SIFT's and BRISK's descriptors

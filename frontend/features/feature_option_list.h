@@ -19,7 +19,8 @@ void for_each_option(Options& options, Visit&& visit) {
   if (options.adaptive) {
     visit("adaptive.min_features", options.adaptive->min_features, "lower the threshold below so many");
     visit("adaptive.max_features", options.adaptive->max_features, "raise it above so many");
-    visit("adaptive.max_iterations", options.adaptive->max_iterations, "ORB only: thresholds tried");
+    visit("adaptive.max_iterations", options.adaptive->max_iterations,
+          "thresholds tried, where each takes a look of its own (orb, agast)");
     visit("adaptive.min_threshold_ratio", options.adaptive->min_threshold_ratio, "lowest threshold, as a share of the given one");
   }
   visit("sift.layers_per_octave", options.sift.layers_per_octave, "of the scale space");

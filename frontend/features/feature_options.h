@@ -71,7 +71,7 @@ struct GfttOptions {
 struct AdaptiveOptions {
   int min_features = 300;
   int max_features = 500;
-  int max_iterations = 10;           ///< Only for ORB, which is detected anew for each threshold.
+  int max_iterations = 10;           ///< Only for ORB and AGAST, which look anew for each threshold.
   double min_threshold_ratio = 0.1;  ///< The lowest threshold as a share of the given one: where poor texture ends.
 };
 

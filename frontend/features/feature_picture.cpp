@@ -36,7 +36,8 @@ const cv::Scalar& colour_of(const std::vector<cv::Scalar>& colours, double size)
 /// The image dimmed and scaled, for colours to stand out on it.
 cv::Mat backdrop(const cv::Mat& gray, double scale) {
   cv::Mat scaled, colour;
-  cv::resize(gray, scaled, {}, scale, scale, scale < 1 ? cv::INTER_AREA : cv::INTER_CUBIC);
+  const cv::Size size(std::max(1, cvRound(scale * gray.cols)), std::max(1, cvRound(scale * gray.rows)));
+  cv::resize(gray, scaled, size, 0, 0, scale < 1 ? cv::INTER_AREA : cv::INTER_CUBIC);
   scaled.convertTo(scaled, CV_8U, 0.7);
   cv::cvtColor(scaled, colour, cv::COLOR_GRAY2BGR);
   return colour;

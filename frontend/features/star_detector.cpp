@@ -87,17 +87,19 @@ bool is_extremum(const std::array<Layer, 3>& layers, int x, int y, int reach) {
 /// second moments, by trace and determinant (Agrawal et al. 2008, section 3.4, after Harris), over a window that grows with
 /// the scale. Where it does not change at all, it is no line.
 template <typename Value>
-bool is_line(const cv::Mat_<Value>& image, int x, int y, int radius, double max_ratio) {
+bool is_line(const cv::Mat_<Value>& image, int border, int x, int y, int radius, double max_ratio) {
   constexpr int kReach = 4;
   const int step = std::max(1, radius / 2);
-  const auto at = [&](int u, int v) {
-    return static_cast<double>(image(std::clamp(v, 0, image.rows - 1), std::clamp(u, 0, image.cols - 1)));
-  };
+  const int edge = border + step;  // beyond it nothing is known
   double xx = 0, xy = 0, yy = 0;
-  for (int v = y - kReach * step; v <= y + kReach * step; v += step) {
-    for (int u = x - kReach * step; u <= x + kReach * step; u += step) {
-      const double dx = at(u + step, v) - at(u - step, v);
-      const double dy = at(u, v + step) - at(u, v - step);
+  for (int j = -kReach; j <= kReach; ++j) {
+    const int v = y + j * step;
+    if (v < edge || v >= image.rows - edge) continue;
+    for (int i = -kReach; i <= kReach; ++i) {
+      const int u = x + i * step;
+      if (u < edge || u >= image.cols - edge) continue;
+      const double dx = static_cast<double>(image(v, u + step)) - image(v, u - step);
+      const double dy = static_cast<double>(image(v + step, u)) - image(v - step, u);
       xx += dx * dx, xy += dx * dy, yy += dy * dy;
     }
   }
@@ -136,7 +138,8 @@ void find_extrema(const std::array<Layer, 3>& layers, int index, const StarOptio
     for (int x = border; x < response.cols - border; ++x) {
       const float strength = std::abs(row[x]);
       if (strength == 0 || strength < threshold || !is_extremum(layers, x, y, reach)) continue;
-      if (!is_line(response, x, y, layers[1].radius, options.line_threshold)) keypoints.push_back(refined(layers, x, y, index));
+      if (!is_line(response, layers[1].border, x, y, layers[1].radius, options.line_threshold))
+        keypoints.push_back(refined(layers, x, y, index));
     }
   }
 }
@@ -158,8 +161,8 @@ std::vector<cv::KeyPoint> detect_star(const cv::Mat& gray, const StarOptions& op
   }
   std::erase_if(keypoints, [&](const cv::KeyPoint& keypoint) {
     const int radius = radii[static_cast<std::size_t>(keypoint.octave)];
-    return is_line(best.index, static_cast<int>(std::lround(keypoint.pt.x)), static_cast<int>(std::lround(keypoint.pt.y)), radius,
-                   options.line_threshold_scale);
+    return is_line(best.index, 2 * radius, static_cast<int>(std::lround(keypoint.pt.x)),
+                   static_cast<int>(std::lround(keypoint.pt.y)), radius, options.line_threshold_scale);
   });
   return keypoints;
 }
