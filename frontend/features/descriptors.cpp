@@ -36,13 +36,13 @@ int orb_level(double size, const cv::Size& image, const OrbOptions& options) {
   return std::clamp(wanted, 0, std::max(0, std::min(options.num_levels - 1, static_cast<int>(most))));
 }
 
-/// BRISK's pattern reaches 0.92 sizes far (18.4 pixels across without its smoothing at size 12).
-constexpr double kBriskReach = 0.92;
+/// BRISK's pattern reaches so many sizes far with its smoothing.
+constexpr double kBriskReach = 1.54;
 
 /// Large spots would need more than the image has: the pattern takes at most half of it.
 float brisk_size(double size, const cv::Size& image) {
   const double most = std::min(image.width, image.height) / 4.0 / kBriskReach;
-  return static_cast<float>(std::min(most, kWindowPerSpot * size * 12.0 / 18.4));
+  return static_cast<float>(std::min(most, size / kSpotPerBriskSize));
 }
 
 bool is_own(const FeatureKind& kind) { return to_string(kind.detector) == to_string(kind.descriptor); }

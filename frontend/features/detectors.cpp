@@ -120,10 +120,8 @@ std::vector<cv::KeyPoint> detect(const cv::Mat& image, const FeatureOptions& opt
 
 float spot_size(DetectorKind kind, const cv::KeyPoint& keypoint) {
   constexpr float kOrbPatchPerSpot = 6.0F;
-  // BRISK samples a circle of 18.4 pixels about a keypoint of size 12, and descriptors look at six spots.
-  constexpr float kBriskSizePerSpot = 6.0F * 12.0F / 18.4F;
   if (kind == DetectorKind::Orb) return keypoint.size / kOrbPatchPerSpot;
-  if (kind == DetectorKind::Brisk) return keypoint.size / kBriskSizePerSpot;
+  if (kind == DetectorKind::Brisk) return keypoint.size * static_cast<float>(kSpotPerBriskSize);
   return keypoint.size;
 }
 

@@ -19,6 +19,9 @@ int least_image_side(DetectorKind kind);
 /// Keypoints of an 8-bit grey image whose response is at least `threshold`, in no order. None for tiny images.
 std::vector<cv::KeyPoint> detect(const cv::Mat& image, const FeatureOptions& options, double threshold);
 
+/// BRISK samples a circle 2.55 of its keypoint's sizes across (18.4 pixels at size 7.2), and descriptors look at six spots.
+inline constexpr double kSpotPerBriskSize = 18.4 / 7.2 / 6.0;
+
 /// The diameter of the spot that a detector found, from a keypoint's size, which ORB and BRISK give as that of their own
 /// descriptor's patch.
 float spot_size(DetectorKind kind, const cv::KeyPoint& keypoint);
