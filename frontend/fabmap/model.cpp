@@ -27,8 +27,9 @@ void validate(const Model& model, const std::string& where) {
 void require_features(const Model& model, const FeatureOptions& features) {
   const auto difference = first_difference(model.features, features);
   if (!difference) return;
-  throw InputError("the model was trained with features of " + difference->option + " " + difference->a +
-                   " but the images are described with " + difference->b + "; use the model's own, or train another model");
+  throw InputError("the model was trained with the feature option '" + difference->option + ": " + difference->a +
+                   "' but the images are described with '" + difference->option + ": " + difference->b +
+                   "'; use the model's own, or train another model");
 }
 
 }  // namespace fabloop

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <exception>
+
 #include "frontend/error.h"
 #include "frontend/features/surf.h"
 
