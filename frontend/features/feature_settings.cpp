@@ -106,10 +106,16 @@ Json json_of(const Value& value) {
   return text == "none" ? Json() : Json::parse(text);
 }
 
-void read_json(const std::string& key, const Json& value, FeatureOptions& options) {
-  const std::string text = value.is_string() ? value.get<std::string>() : value.dump();
-  const std::string expected = set_option(options, key, text);
-  if (!expected.empty()) throw InputError("feature options: " + key + " is " + text + "; expected " + expected);
+/// The value of an option in a JSON object; null where there is none.
+const Json* find_value(const Json& json, const KeyParts& parts) {
+  const Json* object = &json;
+  if (!parts.section.empty()) {
+    const auto section = json.find(parts.section);
+    if (section == json.end() || !section->is_object()) return nullptr;
+    object = &*section;
+  }
+  const auto value = object->find(parts.name);
+  return value == object->end() ? nullptr : &*value;
 }
 
 }  // namespace
@@ -185,14 +191,19 @@ FeatureOptions feature_options_from_json(std::string_view text) {
   FeatureOptions options;
   const Json json = Json::parse(text, nullptr, false);
   if (!json.is_object()) throw InputError("feature options: no JSON object");
-  for (const auto& [name, value] : json.items()) {
-    if (!value.is_object()) {
-      read_json(name, value, options);
-      continue;
-    }
-    if (name == "adaptive") options.adaptive.emplace();
-    for (const auto& [inner, inner_value] : value.items()) read_json(name + "." + inner, inner_value, options);
-  }
+  if (json.contains("adaptive")) options.adaptive.emplace();
+  std::size_t num_read = 0, num_values = 0;
+  for_each_option(options, [&](const std::string& key, auto& field, const char*) {
+    const Json* value = find_value(json, parts_of(key));
+    if (!value) return;
+    ++num_read;
+    const std::string text_value = value->is_string() ? value->get<std::string>() : value->dump();
+    const auto parsed = parse_option(text_value, field);
+    if (!parsed.value) throw InputError("feature options: " + key + " is " + text_value + "; expected " + parsed.expected);
+    field = *parsed.value;
+  });
+  for (const Json& value : json) num_values += value.is_object() ? value.size() : 1;
+  if (num_values != num_read) throw InputError("feature options: there are some that are not known");
   validate(options);
   return options;
 }
