@@ -9,11 +9,13 @@
 #include <vector>
 
 #include "apps/command.h"
+#include "apps/feature_arguments.h"
 #include "apps/run_report.h"
 #include "frontend/error.h"
 #include "frontend/fabmap/model.h"
 #include "frontend/fabmap/openfabmap_io.h"
 #include "frontend/fabmap/openfabmap_settings.h"
+#include "frontend/features/feature_settings.h"
 
 namespace fabloop::apps {
 namespace {
@@ -23,13 +25,10 @@ namespace fs = std::filesystem;
 struct ConvertArguments {
   std::vector<std::string> inputs;
   std::string out;
-  std::string features = "sift";
-  std::optional<double> clahe_clip_limit;
+  FeatureArguments features;
   std::uint64_t seed = 1;
-  bool root_sift = false;
   bool gzip = false;
   bool overwrite = false;
-  int max_features = FeatureOptions{}.max_features;
 };
 
 /// The files given, and those of the folders given.
@@ -93,6 +92,15 @@ void complete_from_settings(OpenFabMapInputs& inputs, const OpenFabMapSettings& 
   complete(inputs.files.images, settings.training_images_path);
 }
 
+/// How openFABMAP describes images where its settings do not say otherwise: SIFT as OpenCV has it, contrast as it is.
+FeatureOptions features_of_openfabmap(const fs::path& settings) {
+  if (!settings.empty() && has_openfabmap_features(settings)) return read_openfabmap_features(settings);
+  FeatureOptions features;
+  features.root_sift = false;
+  features.clahe_clip_limit.reset();
+  return features;
+}
+
 void require_absent(const fs::path& path, bool overwrite) {
   if (fs::is_directory(path)) throw InputError(path.string() + ": is a folder; give a file name as --out");
   if (fs::exists(path) && !overwrite) {
@@ -109,10 +117,7 @@ void convert_to_model(const std::vector<fs::path>& files, const ConvertArguments
   require_absent(arguments.out, arguments.overwrite);
   OpenFabMapInputs inputs = sorted_inputs(files);
   OpenFabMapReadOptions options;
-  options.features.kind = *feature_kind_from_string(arguments.features);
-  options.features.max_features = arguments.max_features;
-  options.features.root_sift = arguments.root_sift;
-  options.features.clahe_clip_limit = arguments.clahe_clip_limit;
+  options.features = asked_features(arguments.features, features_of_openfabmap(inputs.settings));
   options.seed = arguments.seed;
   options.warn = make_warn(common);
   OpenFabMapSettings settings;
@@ -159,17 +164,7 @@ void add_convert_command(CLI::App& program, const CommonOptions& common) {
                    "or the folder of them")
       ->required();
   command->add_option("--out", arguments->out, "model file, or folder for openFABMAP's files, to write")->required();
-  command->add_option("--features", arguments->features, "to a model: what the words were made of; the files do not say")
-      ->check(CLI::IsMember({"sift", "orb", "akaze"}))
-      ->capture_default_str();
-  command->add_option("--max-features", arguments->max_features, "to a model: at most so many features an image")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_flag("--root-sift", arguments->root_sift, "to a model: the words are of RootSIFT, which openFABMAP does not know");
-  command
-      ->add_option("--clahe", arguments->clahe_clip_limit,
-                   "to a model: clip limit of the contrast equalisation, which openFABMAP does not have")
-      ->check(CLI::PositiveNumber);
+  add_feature_arguments(command, arguments->features, "to a model: as openFABMAP's settings file, else OpenCV's ");
   command->add_option("--seed", arguments->seed, "to a model: chooses among more than 1,000 training images")
       ->capture_default_str();
   command->add_flag("--gzip", arguments->gzip, "to openFABMAP: compress the matrices");

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "apps/command.h"
+#include "apps/feature_arguments.h"
 #include "apps/progress_bar.h"
 #include "apps/run_report.h"
 #include "frontend/error.h"
@@ -21,8 +22,7 @@ namespace {
 struct MapArguments {
   std::string sequence;
   std::string odometry, reference, camera, model, out;
-  std::optional<std::string> features;
-  std::optional<int> max_features;
+  FeatureArguments features;
   std::string new_place = "mean-field";
   double max_time_difference_s = 0.01;
   bool strict = false;
@@ -32,10 +32,8 @@ struct MapArguments {
 
 /// What the user asks for; the rest as the model has it, or by default. A model brings its own features, so asking for others
 /// is an error.
-FeatureOptions asked_features(const MapArguments& arguments, const std::optional<Model>& model) {
-  FeatureOptions asked = model ? model->features : FeatureOptions{};
-  if (arguments.features) asked.kind = *feature_kind_from_string(*arguments.features);
-  if (arguments.max_features) asked.max_features = *arguments.max_features;
+FeatureOptions features_to_extract(const MapArguments& arguments, const std::optional<Model>& model) {
+  const FeatureOptions asked = asked_features(arguments.features, model ? model->features : FeatureOptions{});
   if (!model) return asked;
   try {
     require_features(*model, asked);
@@ -60,7 +58,7 @@ void run_map(MapArguments& arguments, const CommonOptions& common) {
   std::optional<Model> model;
   MapSequenceOptions& options = arguments.options;
   if (!arguments.model.empty()) model = read_model(arguments.model);
-  options.features = asked_features(arguments, model);
+  options.features = features_to_extract(arguments, model);
   options.mapper.loops.recognizer.new_place =
       arguments.new_place == "sampled" ? NewPlaceModel::Sampled : NewPlaceModel::MeanField;
   options.if_damaged = arguments.strict ? IfDamaged::Refuse : IfDamaged::Skip;
@@ -93,13 +91,7 @@ void add_input_options(CLI::App* command, MapArguments& arguments) {
 void add_method_options(CLI::App* command, MapArguments& arguments) {
   MapSequenceOptions& options = arguments.options;
   LoopCloserOptions& loops = options.mapper.loops;
-  command->add_option("--features", arguments.features, "what to detect (default: as the model; without one, sift)")
-      ->check(CLI::IsMember({"sift", "orb", "akaze"}));
-  command
-      ->add_option("--max-features", arguments.max_features,
-                   "at most so many features an image (default: as the model; without one, " +
-                       std::to_string(FeatureOptions{}.max_features) + ")")
-      ->check(CLI::PositiveNumber);
+  add_feature_arguments(command, arguments.features, "as the model; without one, ");
   command->add_option("--hypotheses", loops.hypotheses.max_hypotheses, "how many places to verify for each image")
       ->capture_default_str();
   command->add_option("--min-probability", loops.hypotheses.min_probability, "verify only places at least so probable")

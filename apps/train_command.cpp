@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "apps/command.h"
+#include "apps/feature_arguments.h"
 #include "apps/progress_bar.h"
 #include "apps/run_report.h"
 #include "frontend/error.h"
@@ -25,7 +26,7 @@ struct TrainArguments {
   std::vector<std::string> sequences;
   std::string out;
   std::string camera;
-  std::string features = "sift";
+  FeatureArguments features;
   std::string method = "kmeans";
   std::optional<std::size_t> num_words;
   ImageSourceOptions source{.if_damaged = IfDamaged::Refuse};
@@ -50,8 +51,8 @@ void require_writable(const std::filesystem::path& path, bool overwrite) {
 /// The options that decide what the model is, without paths, so that the same training gives the same file anywhere.
 std::string canonical_command(const TrainArguments& arguments) {
   std::ostringstream text;
-  text << "train --features " << arguments.features << " --max-features " << arguments.options.features.max_features
-       << " --method " << arguments.method;
+  text << "train --features " << to_string(arguments.options.features.kind) << " --max-features "
+       << arguments.options.features.max_features << " --method " << arguments.method;
   if (arguments.num_words) text << " --words " << *arguments.num_words;
   if (arguments.options.method == VocabularyMethod::Radius) text << " --radius " << arguments.options.radius;
   if (arguments.source.every > 1) text << " --every " << arguments.source.every;
@@ -122,7 +123,7 @@ TrainedModel train_on_sequences(const TrainArguments& arguments) {
 void run_train(TrainArguments& arguments, const CommonOptions& common) {
   require_writable(arguments.out, arguments.overwrite);
   ModelTrainingOptions& options = arguments.options;
-  options.features.kind = *feature_kind_from_string(arguments.features);
+  options.features = asked_features(arguments.features);
   options.method = arguments.method == "radius" ? VocabularyMethod::Radius : VocabularyMethod::KMeans;
   options.num_words = arguments.num_words;
   options.num_threads = common.num_threads;
@@ -155,12 +156,7 @@ void add_train_command(CLI::App& program, const CommonOptions& common) {
   command->add_option("--rate", arguments->source.max_images_per_s, "take at most so many images a second of the sequence's time")
       ->check(CLI::PositiveNumber);
   command->add_flag("--panorama", arguments->panorama, "the images show 360 degrees: their left and right edges are neighbours");
-  command->add_option("--features", arguments->features, "what to detect")
-      ->check(CLI::IsMember({"sift", "orb", "akaze"}))
-      ->capture_default_str();
-  command->add_option("--max-features", options.features.max_features, "at most so many features an image")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  add_feature_arguments(command, arguments->features, "");
   command->add_option("--method", arguments->method, "how descriptors become words")
       ->check(CLI::IsMember({"kmeans", "radius"}))
       ->capture_default_str();

@@ -11,6 +11,7 @@ install(TARGETS fabloop_frontend fabloop_verification fabloop_posegraph fabloop_
 install(EXPORT fabloopTargets NAMESPACE fabloop:: DESTINATION ${package_folder})
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
+get_property(FABLOOP_USES_DLIB GLOBAL PROPERTY FABLOOP_USES_DLIB)
 configure_package_config_file(cmake/fabloopConfig.cmake.in ${PROJECT_BINARY_DIR}/fabloopConfig.cmake
   INSTALL_DESTINATION ${package_folder})
 # Before 1.0 a minor version may break its users.

@@ -30,16 +30,16 @@ class Stopwatch {
 LoopCloser::LoopCloser(const Camera& camera, const Model& model, const LoopCloserOptions& options)
     : camera_(camera),
       options_(options),
-      feature_kind_(model.features.kind),
+      descriptor_kind_(model.features.kind.descriptor),
       domain_check_(model, {.warn = options.warn}),
       recognizer_(model, options.recognizer),
       words_(model.vocabulary, options.words),
       verifier_(options.verifier) {}
 
 LoopEvent LoopCloser::add_keyframe(Keyframe keyframe) {
-  if (keyframe.features.kind != feature_kind_) {
-    throw InputError("the model knows " + std::string(to_string(feature_kind_)) + " features, the keyframe has " +
-                     std::string(to_string(keyframe.features.kind)) + "; extract with the model's options");
+  if (keyframe.features.descriptor_kind != descriptor_kind_) {
+    throw InputError("the model knows " + std::string(to_string(descriptor_kind_)) + " descriptors, the keyframe has " +
+                     std::string(to_string(keyframe.features.descriptor_kind)) + "; extract with the model's options");
   }
   LoopEvent event;
   event.query = keyframe.frame;

@@ -89,7 +89,7 @@ class LoopCloser {
 
   Camera camera_;
   LoopCloserOptions options_;
-  FeatureKind feature_kind_;
+  DescriptorKind descriptor_kind_;
   DomainCheck domain_check_;
   PlaceRecognizer recognizer_;
   WordFinder words_;

@@ -75,7 +75,7 @@ std::vector<Match> one_a_spot(const std::vector<Match>& matches, const std::vect
 }  // namespace
 
 std::vector<Match> match_features(const Features& query, const Features& match, const MatchingOptions& options) {
-  assert(query.kind == match.kind);
+  assert(query.descriptor_kind == match.descriptor_kind);
   if (query.keypoints.empty() || match.keypoints.empty()) return {};
   const bool has_bits = query.descriptors.type() == CV_8U;
   const cv::Mat1f distances = has_bits ? squared_hamming(query.descriptors, match.descriptors)

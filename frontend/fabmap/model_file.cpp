@@ -8,6 +8,7 @@
 
 #include "frontend/error.h"
 #include "frontend/fabmap/model.h"
+#include "frontend/features/feature_settings.h"
 #include "frontend/mapped_file.h"
 #include "frontend/output_file.h"
 
@@ -68,12 +69,6 @@ Arrays arrays_of(const Model& model) {
   return arrays;
 }
 
-Json as_json(std::optional<double> value) { return value ? Json(*value) : Json(); }
-
-std::optional<double> optional_double(const Json& json) {
-  return json.is_null() ? std::nullopt : std::optional(json.get<double>());
-}
-
 /// What training says of itself, where it did.
 void add_training_entries(const Model& model, Json& header) {
   if (model.health) header["health"] = Json::parse(to_json(*model.health));
@@ -86,17 +81,11 @@ void read_training_entries(const Json& header, Model& model) {
 }
 
 Json header_of(const Model& model, const Arrays& arrays) {
-  const FeatureOptions& features = model.features;
   return {{"words", model.vocabulary.words.rows},
           {"dimensions", model.vocabulary.words.cols},
           {"background", model.background.size()},
           {"background_words", arrays.background_words.size()},
-          {"features",
-           {{"kind", to_string(features.kind)},
-            {"max_features", features.max_features},
-            {"detection_threshold", as_json(features.detection_threshold)},
-            {"clahe_clip_limit", as_json(features.clahe_clip_limit)},
-            {"root_sift", features.root_sift}}},
+          {"features", Json::parse(feature_options_json(model.features))},
           {"detector",
            {{"p_seen_if_present", model.detector.p_seen_if_present}, {"p_seen_if_absent", model.detector.p_seen_if_absent}}},
           {"provenance",
@@ -114,14 +103,7 @@ Json header_of(const Model& model, const Arrays& arrays) {
 /// Everything but the arrays.
 Model model_of(const Json& header) {
   Model model;
-  const Json& features = header.at("features");
-  const auto kind = feature_kind_from_string(features.at("kind").get<std::string>());
-  if (!kind) throw InputError("unknown features " + features.at("kind").get<std::string>());
-  model.features.kind = *kind;
-  model.features.max_features = features.at("max_features").get<int>();
-  model.features.detection_threshold = optional_double(features.at("detection_threshold"));
-  model.features.clahe_clip_limit = optional_double(features.at("clahe_clip_limit"));
-  model.features.root_sift = features.at("root_sift").get<bool>();
+  model.features = feature_options_from_json(header.at("features").dump());
   const Json& detector = header.at("detector");
   model.detector = {detector.at("p_seen_if_present").get<double>(), detector.at("p_seen_if_absent").get<double>()};
   const Json& provenance = header.at("provenance");

@@ -11,6 +11,7 @@
 #include "frontend/fabmap/sampling.h"
 #include "frontend/fabmap/training_images.h"
 #include "frontend/fabmap/vocabulary_training.h"
+#include "frontend/features/feature_settings.h"
 
 namespace fabloop {
 namespace {
@@ -178,12 +179,7 @@ TrainedModel train(std::size_t num_images, const FeatureSource& features, const 
 }  // namespace
 
 std::string features_text(const FeatureOptions& features) {
-  std::ostringstream text;
-  text.precision(17);
-  text << "fabloop " << FABLOOP_VERSION << "\nfeatures " << to_string(features.kind) << ' ' << features.max_features << ' '
-       << features.detection_threshold.value_or(-1.0) << ' ' << features.clahe_clip_limit.value_or(-1.0) << ' '
-       << features.root_sift << '\n';
-  return text.str();
+  return std::string("fabloop ") + FABLOOP_VERSION + "\nfeatures " + feature_options_json(features) + '\n';
 }
 
 std::size_t default_num_words(std::size_t num_descriptors) { return std::clamp<std::size_t>(num_descriptors / 50, 1, 2000); }

@@ -126,7 +126,7 @@ TrainedModel train_model(const std::vector<fs::path>& sources, const SourceTrain
   DescribedImages images(state_for_images(options, identified.images_identity));
   const FeatureExtractor extractor(options.features);
   for (ImageSource& source : opened) images.add(source, extractor, source_options.shape, options);
-  const FeatureSource features = [&](std::size_t image) { return Features{options.features.kind, {}, images[image]}; };
+  const FeatureSource features = [&](std::size_t image) { return Features{options.features.kind.descriptor, {}, images[image]}; };
   TrainedModel trained = train_model(images.size(), features, identified);
   images.discard();
   return trained;

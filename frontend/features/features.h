@@ -4,20 +4,18 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-namespace fabloop {
+#include "frontend/features/feature_kind.h"
 
-/// A detector with its descriptor.
-enum class FeatureKind {
-  Sift,   ///< 128 floats (Lowe 2004).
-  Orb,    ///< 32 bytes of bits (Rublee et al. 2011).
-  Akaze,  ///< 61 bytes of bits (Alcantarilla et al. 2013).
-};
+namespace fabloop {
 
 /// What was detected in one image: N keypoints and their descriptors.
 struct Features {
-  FeatureKind kind = FeatureKind::Sift;
-  std::vector<cv::KeyPoint> keypoints;  ///< N, pixel centres at integers, the strongest first.
-  cv::Mat descriptors;                  ///< N x D, CV_32F for SIFT, CV_8U (packed bits) for ORB and AKAZE.
+  DescriptorKind descriptor_kind = DescriptorKind::Sift;
+  /// N, pixel centres at integers, the strongest first. `size` is the diameter in pixels of the spot that was detected, and a
+  /// descriptor looks at about six of it, whatever the detector; `angle` is in degrees, clockwise in the image as in OpenCV,
+  /// and -1 where no direction was needed.
+  std::vector<cv::KeyPoint> keypoints;
+  cv::Mat descriptors;  ///< N x D, CV_32F or CV_8U (packed bits): see descriptor_layout(). All finite.
 };
 
 }  // namespace fabloop

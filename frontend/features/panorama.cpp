@@ -35,7 +35,7 @@ Features extract_panorama(const FeatureExtractor& extractor, const cv::Mat& gray
   cv::copyMakeBorder(gray, continued, 0, 0, padding, padding, cv::BORDER_WRAP);
   const Features all = FeatureExtractor(options_for(extractor, gray.cols, padding)).extract(continued);
   Features features;
-  features.kind = all.kind;
+  features.descriptor_kind = all.descriptor_kind;
   features.descriptors = cv::Mat(0, all.descriptors.cols, all.descriptors.type());
   const auto most = static_cast<std::size_t>(extractor.options().max_features);
   // Pixel centres are at integers, so the image begins half a pixel before its first one.

@@ -39,7 +39,7 @@ std::string size_text(int width, int height) { return std::to_string(width) + "x
 cv::Mat read_gray_image(const fs::path& image_path) {
   const std::vector<std::uint8_t> bytes = read_bytes(image_path);
   if (!is_complete_image(bytes)) throw InputError(image_path.string() + ": the image is truncated; copy it again or remove it");
-  cv::Mat gray = decode_gray(bytes);
+  const cv::Mat gray = decode_gray(bytes);
   if (gray.empty())
     throw InputError(image_path.string() + ": the image is damaged or of an unknown kind; copy it again or remove it");
   return gray;

@@ -43,6 +43,10 @@ struct SequenceOptions {
 /// Throws InputError: folder missing or empty, no calibration, a bad line, odometry that overlaps no image in time.
 Sequence read_sequence(const std::filesystem::path& folder, const SequenceOptions& options = {});
 
+/// The image as 8-bit grey (`CV_8UC1`), of whatever size. Throws InputError naming the file when it is missing, truncated or
+/// damaged.
+cv::Mat read_gray_image(const std::filesystem::path& image_path);
+
 /// The image as 8-bit grey (`CV_8UC1`). Throws InputError naming the file when it is missing, truncated, damaged or of
 /// another size than the camera's.
 cv::Mat read_gray_image(const std::filesystem::path& image_path, const Camera& camera);

@@ -61,8 +61,8 @@ TEST_F(TrainAndConvert, GoesToOpenFabMapAndBack) {
   const std::string folder = (scratch_.path() / "openfabmap").string(), back = (scratch_.path() / "back.model").string();
   const ProgramResult there = run_fabloop({"convert", model_.string(), "--out", folder});
   ASSERT_EQ(there.exit_code, 0) << there.err;
-  const std::vector<std::string> command = {"convert", folder,        "--out",   back, "--max-features",
-                                            "100",     "--root-sift", "--clahe", "1.5"};
+  const std::vector<std::string> command = {"convert", folder,  "--out",          back,    "--max-features",
+                                            "100",     "--set", "root_sift=true", "--set", "clahe_clip_limit=1.5"};
   const ProgramResult returned = run_fabloop(command);
   ASSERT_EQ(returned.exit_code, 0) << returned.err;
   // The arrays, which begin after the header, are the same.

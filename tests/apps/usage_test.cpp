@@ -17,7 +17,8 @@ void expect_wrong_usage(const std::vector<std::string>& arguments) {
 
 TEST(Usage, HelpOfEveryCommandSucceeds) {
   EXPECT_EQ(run_fabloop({"--help"}).exit_code, 0);
-  for (const char* command : {"demo", "synth", "train", "convert", "map", "optimize", "evaluate"}) {
+  for (const char* command :
+       {"demo", "synth", "features", "train", "convert", "recognize", "map", "optimize", "evaluate"}) {
     const ProgramResult result = run_fabloop({command, "--help"});
     EXPECT_EQ(result.exit_code, 0) << command << result.err;
     EXPECT_NE(result.out.find("--"), std::string::npos) << command;
@@ -29,7 +30,7 @@ TEST(Usage, NoCommandIsWrong) { expect_wrong_usage({}); }
 TEST(Usage, AnUnknownCommandIsWrong) { expect_wrong_usage({"fly"}); }
 TEST(Usage, AnUnknownOptionIsWrong) { expect_wrong_usage({"map", "folder", "--out", "run", "--wings", "2"}); }
 TEST(Usage, AMissingOptionIsWrong) { expect_wrong_usage({"map", "folder"}); }
-TEST(Usage, AnUnknownFeatureKindIsWrong) { expect_wrong_usage({"map", "folder", "--out", "run", "--features", "surf"}); }
+TEST(Usage, AnUnknownFeatureKindIsWrong) { expect_wrong_usage({"map", "folder", "--out", "run", "--features", "harris"}); }
 TEST(Usage, NoThreadsIsWrong) { expect_wrong_usage({"map", "folder", "--out", "run", "--threads", "0"}); }
 TEST(Usage, TextForANumberIsWrong) { expect_wrong_usage({"optimize", "a", "--out", "b", "--max-iterations", "many"}); }
 

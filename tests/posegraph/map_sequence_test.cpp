@@ -117,10 +117,10 @@ TEST(MapSequence, AModelIsTakenAsItIs) {
   sequence.frames.resize(5);
   const Model model = map_sequence(sequence, std::nullopt, tiny_map_options()).model;
   MapSequenceOptions options = tiny_map_options();
-  options.features.kind = FeatureKind::Orb;  // which counts only without a model
+  options.features.kind = {DetectorKind::Orb, DescriptorKind::Orb};  // which counts only without a model
   const SequenceMap result = map_sequence(sequence, model, options);
   EXPECT_FALSE(result.trained_here.has_value());
-  EXPECT_EQ(result.map.views.front().features.kind, FeatureKind::Sift);
+  EXPECT_EQ(result.map.views.front().features.descriptor_kind, DescriptorKind::Sift);
   EXPECT_EQ(result.model.vocabulary.num_words(), model.vocabulary.num_words());
 }
 

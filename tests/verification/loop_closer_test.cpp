@@ -95,7 +95,7 @@ TEST(LoopCloser, FeaturesOfAnotherKindAreRefused) {
   const Walk walk = make_walk({.num_landmarks = 500, .num_frames = 6, .num_again = 1});
   LoopCloser closer(test_camera(), walk.model);
   Features orb = walk.features.front();
-  orb.kind = FeatureKind::Orb;
+  orb.descriptor_kind = DescriptorKind::Orb;
   try {
     closer.add_keyframe({0, orb, {}});
     ADD_FAILURE() << "nothing was thrown";

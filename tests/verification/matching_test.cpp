@@ -52,7 +52,7 @@ TEST(Matching, CountsASpotOnce) {
 
 TEST(Matching, ComparesBitsByHammingDistance) {
   Features query, match;
-  query.kind = match.kind = FeatureKind::Orb;
+  query.descriptor_kind = match.descriptor_kind = DescriptorKind::Orb;
   query.keypoints = {{10, 10, 3}};
   query.descriptors = (cv::Mat1b(1, 2) << 0b11110000, 0b00000000);
   match.keypoints = {{10, 10, 3}, {300, 300, 3}};

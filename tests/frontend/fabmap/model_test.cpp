@@ -47,7 +47,9 @@ void write_bytes(const fs::path& path, const std::string& bytes) {
 
 Model some_model() {
   Model model;
-  model.features.kind = FeatureKind::Akaze;
+  model.features.kind = {DetectorKind::Akaze, DescriptorKind::Akaze};
+  model.features.adaptive.emplace().min_features = 77;
+  model.features.akaze.num_octaves = 3;
   model.features.detection_threshold = 0.002;
   model.features.clahe_clip_limit.reset();
   model.tree = testing::random_tree(30, 0.2, 1);
@@ -63,7 +65,9 @@ TEST_F(ModelFile, ComesBackAsItWas) {
   const Model model = some_model();
   write_model(path("a"), model);
   const Model read = read_model(path("a"));
-  EXPECT_EQ(read.features.kind, FeatureKind::Akaze);
+  EXPECT_EQ(read.features.kind, model.features.kind);
+  EXPECT_EQ(read.features.adaptive->min_features, 77);
+  EXPECT_EQ(read.features.akaze.num_octaves, 3);
   EXPECT_EQ(read.features.detection_threshold, model.features.detection_threshold);
   EXPECT_EQ(read.features.clahe_clip_limit, std::nullopt);
   EXPECT_EQ(cv::norm(read.vocabulary.words, model.vocabulary.words, cv::NORM_INF), 0.0);
@@ -156,7 +160,7 @@ TEST(Model, RequiresItsOwnFeatures) {
   const Model model = some_model();
   EXPECT_NO_THROW(require_features(model, model.features));
   FeatureOptions features = model.features;
-  features.kind = FeatureKind::Orb;
+  features.kind = {DetectorKind::Orb, DescriptorKind::Orb};
   EXPECT_THROW(require_features(model, features), InputError);
   features = model.features;
   features.clahe_clip_limit = 4.0;

@@ -173,9 +173,9 @@ TEST_F(OpenFabMapIo, RefusesFilesThatDoNotBelongTogether) {
   write_openfabmap_model(folder, some_sift_model());
   OpenFabMapReadOptions options;
   const OpenFabMapFiles files = {folder / "vocabulary.yml", folder / "tree.yml", folder / "bow.yml"};
-  options.features.kind = FeatureKind::Orb;
+  options.features.kind = {DetectorKind::Orb, DescriptorKind::Orb};
   EXPECT_THAT(input_error_of([&] { read_openfabmap_model(files, options); }), HasSubstr("words of 128 numbers, but orb"));
-  options.features.kind = FeatureKind::Sift;
+  options.features.kind = {DetectorKind::Sift, DescriptorKind::Sift};
   folder_.write("model/tree.yml", kTree);
   EXPECT_THAT(input_error_of([&] { read_openfabmap_model(files, options); }), HasSubstr("tree.yml: is about 4 words"));
   write_openfabmap_model(folder, some_sift_model(), {{}, OutputFolder::IfExists::Replace});
