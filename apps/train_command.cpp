@@ -55,6 +55,9 @@ std::string canonical_command(const TrainArguments& arguments) {
        << arguments.options.features.max_features << " --method " << arguments.method;
   if (arguments.num_words) text << " --words " << *arguments.num_words;
   if (arguments.options.method == VocabularyMethod::Radius) text << " --radius " << arguments.options.radius;
+  if (arguments.options.tree.min_mutual_information) {
+    text << " --min-mutual-information " << *arguments.options.tree.min_mutual_information;
+  }
   if (arguments.source.every > 1) text << " --every " << arguments.source.every;
   if (arguments.source.max_images_per_s) text << " --rate " << *arguments.source.max_images_per_s;
   if (arguments.panorama) text << " --panorama";
@@ -166,6 +169,10 @@ void add_train_command(CLI::App& program, const CommonOptions& common) {
   command->add_option("--radius", options.radius, "how far apart words are, for radius: distance between descriptors")
       ->check(CLI::PositiveNumber)
       ->excludes(words);
+  command
+      ->add_option("--min-mutual-information", options.tree.min_mutual_information,
+                   "least nats that a link of the tree tells; 0 keeps all (default: more than chance would)")
+      ->check(CLI::NonNegativeNumber);
   command->add_option("--seed", options.seed, "another number: another choice of descriptors")->capture_default_str();
   command->add_option("--report", arguments->report, "JSON file to write the health report to");
   command->add_flag("--fresh", arguments->fresh, "forget what a stopped run of this training left in OUT.part");

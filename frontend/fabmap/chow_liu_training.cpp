@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frontend/fabmap/chow_liu_training.h"
 
+#include <cmath>
 #include <cstdint>
 
 #include "frontend/error.h"
@@ -23,6 +24,10 @@ std::vector<ImageCount> image_counts(const std::vector<Observation>& observation
 
 }  // namespace
 
+double chance_mutual_information(std::size_t num_words, std::size_t num_images) {
+  return 2.0 * std::log(static_cast<double>(num_words)) / static_cast<double>(num_images);
+}
+
 ChowLiuResult train_chow_liu_tree(const std::vector<Observation>& observations, std::size_t num_words,
                                   const ChowLiuOptions& options) {
   if (num_words == 0) throw InputError("a Chow-Liu tree needs at least one word; train on images with features");
@@ -36,10 +41,11 @@ ChowLiuResult train_chow_liu_tree(const std::vector<Observation>& observations, 
     result.tree.nodes.push_back(tables.root(word));
     result.entropy += tables.entropy(word);
   }
+  const double least = options.min_mutual_information.value_or(chance_mutual_information(num_words, observations.size()));
   ChowLiuFrontier frontier(observations, tables);
   for (std::size_t num_linked = 1; num_linked < num_words; ++num_linked) {
     const ChowLiuLink link = frontier.take_best();
-    if (link.mutual_information >= options.min_mutual_information) {
+    if (link.mutual_information >= least) {
       result.tree.nodes[link.word] = tables.child(link.word, link.parent, link.both);
       result.mutual_information += link.mutual_information;
     }

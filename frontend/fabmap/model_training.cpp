@@ -182,7 +182,7 @@ std::string features_text(const FeatureOptions& features) {
   return std::string("fabloop ") + FABLOOP_VERSION + "\nfeatures " + feature_options_json(features) + '\n';
 }
 
-std::size_t default_num_words(std::size_t num_descriptors) { return std::clamp<std::size_t>(num_descriptors / 50, 1, 2000); }
+std::size_t default_num_words(std::size_t num_descriptors) { return std::clamp<std::size_t>(num_descriptors / 20, 1, 10000); }
 
 TrainedModel train_model(std::size_t num_images, const FeatureSource& features, const ModelTrainingOptions& options) {
   if (num_images == 0) throw InputError("there are no images to train on");

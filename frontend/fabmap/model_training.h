@@ -67,7 +67,7 @@ using FeatureSource = std::function<Features(std::size_t image)>;
 /// Everything that the descriptors of an image depend on besides the image, one thing a line: for TrainingState's inputs.
 std::string features_text(const FeatureOptions& features);
 
-/// One word for 50 descriptors, at least 1 and at most 2,000.
+/// One word for 20 descriptors, at least 1 and at most 10,000: an image of 1,500 features then shows a tenth to a fifth of them.
 std::size_t default_num_words(std::size_t num_descriptors);
 
 /// A model from `num_images` images: words from their descriptors, the tree from the words that each shows, and a sample of

@@ -105,12 +105,10 @@ void read_recognition(Entries& entries, Settings& settings) {
   const std::string section = "openFabMapOptions.";
   settings.detector.p_seen_if_present = entries.number(section + "PzGe", settings.detector.p_seen_if_present);
   settings.detector.p_seen_if_absent = entries.number(section + "PzGne", settings.detector.p_seen_if_absent);
-  settings.version = entries.choice<Settings::Version>(
+  settings.recognizer.engine = entries.choice<LikelihoodEngine>(
       section + "FabMapVersion",
-      std::array{std::pair{"FABMAP2", Settings::Version::FabMap2}, std::pair{"FABMAP1", Settings::Version::FabMap1},
-                 std::pair{"FABMAPLUT", Settings::Version::LookUpTable}, std::pair{"FABMAPFBO", Settings::Version::FastBailOut}});
-  settings.recognizer.engine =
-      settings.version == Settings::Version::FabMap1 ? LikelihoodEngine::Exact : LikelihoodEngine::InvertedIndex;
+      std::array{std::pair{"FABMAP2", LikelihoodEngine::InvertedIndex}, std::pair{"FABMAP1", LikelihoodEngine::Exact},
+                 std::pair{"FABMAPLUT", LikelihoodEngine::Table}, std::pair{"FABMAPFBO", LikelihoodEngine::BailOut}});
   settings.recognizer.new_place = entries.choice<NewPlaceModel>(
       section + "NewPlaceMethod",
       std::array{std::pair{"Meanfield", NewPlaceModel::MeanField}, std::pair{"Sampled", NewPlaceModel::Sampled}});
@@ -128,11 +126,18 @@ void read_engines(Entries& entries, Settings& settings) {
   const std::string section = "openFabMapOptions.";
   settings.look_up_precision =
       static_cast<int>(entries.count(section + "FabMapLUT.Precision", static_cast<std::size_t>(settings.look_up_precision)));
-  settings.rejection_threshold = entries.number(section + "FabMapFBO.RejectionThreshold", settings.rejection_threshold);
-  settings.p_overtake = entries.number(section + "FabMapFBO.PsGd", settings.p_overtake);
+  BailOutOptions& bail_out = settings.recognizer.bail_out;
+  bail_out.negligible = entries.number(section + "FabMapFBO.RejectionThreshold", bail_out.negligible);
+  bail_out.p_drop_best = entries.number(section + "FabMapFBO.PsGd", bail_out.p_drop_best);
   settings.bisection_start = entries.number(section + "FabMapFBO.BisectionStart", settings.bisection_start);
   settings.num_bisections =
       static_cast<int>(entries.count(section + "FabMapFBO.BisectionIts", static_cast<std::size_t>(settings.num_bisections)));
+  bail_out.solver = BennettSolver::Bisection;
+  try {
+    validate(bail_out);
+  } catch (const InputError&) {
+    entries.fail(section + "FabMapFBO", "needs RejectionThreshold and PsGd between 0 and 1");
+  }
 }
 
 void read_training(Entries& entries, Settings& settings) {

@@ -18,25 +18,21 @@ namespace fabloop {
 /// openFABMAP's settings file, all but its `FeatureOptions`, in our terms. What the file leaves out has openFABMAP's own
 /// default.
 struct OpenFabMapSettings {
-  /// `FabMapVersion`: FABMAP1, FABMAPLUT, FABMAPFBO, FABMAP2.
-  enum class Version { FabMap1, LookUpTable, FastBailOut, FabMap2 };
   /// `FabMapPlaceAddition`: every image becomes a place, or only one whose likeliest place is a new one.
   enum class PlaceAddition { All, NewMaximumOnly };
   /// `BayesMethod`.
   enum class WordDependence { ChowLiu, NaiveBayes };
 
   DetectorModel detector;             ///< `PzGe`, `PzGne`.
-  PlaceRecognizerOptions recognizer;  ///< `FabMapVersion`, `NewPlaceMethod`, `NumSamples`.
-  Version version = Version::FabMap2;
+  PlaceRecognizerOptions recognizer;  ///< `FabMapVersion`, `NewPlaceMethod`, `NumSamples`, `FabMapFBO`'s
+                                      ///< `PsGd` and `RejectionThreshold`.
   WordDependence word_dependence = WordDependence::ChowLiu;
   PlaceAddition place_addition = PlaceAddition::All;
   std::optional<MotionModel> motion;  ///< `SimpleMotion`: openFABMAP's, put right (p_new 0.9, reach 1, both ways). None: off.
 
-  int look_up_precision = 6;          ///< `FabMapLUT.Precision`: decimal places of its table.
-  double rejection_threshold = 1e-6;  ///< `FabMapFBO.RejectionThreshold`.
-  double p_overtake = 1e-6;           ///< `FabMapFBO.PsGd`: drop what overtakes the best with less probability.
-  double bisection_start = 512.0;     ///< `FabMapFBO.BisectionStart`.
-  int num_bisections = 9;             ///< `FabMapFBO.BisectionIts`.
+  int look_up_precision = 6;       ///< `FabMapLUT.Precision`: decimal places of its table.
+  double bisection_start = 512.0;  ///< `FabMapFBO.BisectionStart`.
+  int num_bisections = 9;          ///< `FabMapFBO.BisectionIts`.
 
   double radius = 0.45;                 ///< `VocabTrainOptions.ClusterSize`: RadiusClusteringOptions::radius.
   double min_mutual_information = 0.0;  ///< `ChowLiuOptions.LowerInfoBound`: ChowLiuOptions::min_mutual_information.

@@ -36,6 +36,13 @@ ChowLiuTree strongly_linked_tree(std::size_t num_words) {
   return tree;
 }
 
+/// Keeps all links, however weak.
+ChowLiuOptions whole_tree() {
+  ChowLiuOptions options;
+  options.min_mutual_information = 0.0;
+  return options;
+}
+
 bool are_equal(const ChowLiuTree& a, const ChowLiuTree& b) {
   return std::equal(a.nodes.begin(), a.nodes.end(), b.nodes.begin(), b.nodes.end(), [](const auto& x, const auto& y) {
     return x.parent == y.parent && x.p == y.p && x.p_if_parent == y.p_if_parent && x.p_if_no_parent == y.p_if_no_parent;
@@ -52,12 +59,12 @@ double link(const std::vector<Observation>& observations, WordId a, WordId b) {
       if (word == b) projected.words.push_back(1);
     }
   }
-  return train_chow_liu_tree(pair, 2).mutual_information;
+  return train_chow_liu_tree(pair, 2, whole_tree()).mutual_information;
 }
 
 TEST(ChowLiu, RecoversAKnownTreeFromItsSamples) {
   const ChowLiuTree truth = strongly_linked_tree(60);
-  const ChowLiuTree tree = train_chow_liu_tree(TreeSampler(truth, 1).draw(4000), 60).tree;
+  const ChowLiuTree tree = train_chow_liu_tree(TreeSampler(truth, 1).draw(4000), 60, whole_tree()).tree;
   constexpr double kSampling = 0.06;  // Five standard deviations of a frequency of 0.8 in 1,200 images.
   for (WordId word = 0; word < 60; ++word) {
     EXPECT_EQ(tree.nodes[word].parent, truth.nodes[word].parent) << word;
@@ -84,9 +91,9 @@ TEST(ChowLiu, FindsNoLinkBetweenIndependentWords) {
 
 TEST(ChowLiu, DoesNotDependOnTheOrderOfImages) {
   std::vector<Observation> observations = TreeSampler(random_tree(80, 0.1, 4), 4).draw(200);
-  const ChowLiuResult result = train_chow_liu_tree(observations, 80);
+  const ChowLiuResult result = train_chow_liu_tree(observations, 80, whole_tree());
   std::shuffle(observations.begin(), observations.end(), std::mt19937_64(5));
-  const ChowLiuResult shuffled = train_chow_liu_tree(observations, 80);
+  const ChowLiuResult shuffled = train_chow_liu_tree(observations, 80, whole_tree());
   EXPECT_TRUE(are_equal(result.tree, shuffled.tree));
   EXPECT_EQ(result.mutual_information, shuffled.mutual_information);
 }
@@ -171,7 +178,7 @@ TEST(ChowLiu, IsTheMaximumSpanningTreeOfAllPairs) {
     const std::size_t num_words = 1 + seed % 40;
     const std::vector<Observation> observations = observations_with_ties(num_words, 1 + seed * 7 % 31, seed);
     const std::vector<Edge> edges = all_edges(observations, num_words);
-    const ChowLiuTree tree = train_chow_liu_tree(observations, num_words).tree;
+    const ChowLiuTree tree = train_chow_liu_tree(observations, num_words, whole_tree()).tree;
     std::vector<double> strengths;
     for (const Edge& edge : edges) {
       const bool linked = tree.nodes[edge.a].parent == edge.b || tree.nodes[edge.b].parent == edge.a;
@@ -198,12 +205,12 @@ TEST(ChowLiu, IsTheMaximumSpanningTreeOfManyWords) {
   const std::vector<Edge> edges = all_edges(observations, kNumWords);
   const std::vector<double> expected = kruskal(edges, kNumWords);
   const double sum = std::accumulate(expected.begin(), expected.end(), 0.0);
-  EXPECT_NEAR(train_chow_liu_tree(observations, kNumWords).mutual_information, sum, 1e-9 * sum);
+  EXPECT_NEAR(train_chow_liu_tree(observations, kNumWords, whole_tree()).mutual_information, sum, 1e-9 * sum);
 }
 
 TEST(ChowLiu, TakesAllProbabilitiesFromOneTable) {
   const std::vector<Observation> observations = TreeSampler(random_tree(40, 0.2, 6), 6).draw(30);
-  const ChowLiuTree tree = train_chow_liu_tree(observations, 40).tree;
+  const ChowLiuTree tree = train_chow_liu_tree(observations, 40, whole_tree()).tree;
   for (const ChowLiuNode& node : tree.nodes) {
     if (!node.parent) continue;
     const double parent_p = tree.nodes[*node.parent].p;
@@ -227,6 +234,23 @@ TEST(ChowLiu, CutsWeakLinks) {
   const ChowLiuTree cut = train_chow_liu_tree(observations, 20, options).tree;
   EXPECT_TRUE(are_equal(cut, naive_bayes(train_chow_liu_tree(observations, 20).tree)));
   EXPECT_EQ(parents_first(cut).size(), 20u);
+}
+
+TEST(ChowLiu, CutsWhatChanceWouldLink) {
+  // Independent words of few images: the best links of all pairs look strong. Of 20 draws at most a few may slip through.
+  std::size_t num_links = 0, num_draws = 20;
+  for (std::uint64_t seed = 1; seed <= num_draws; ++seed) {
+    const ChowLiuTree independent = naive_bayes(strongly_linked_tree(200));
+    for (const ChowLiuNode& node : train_chow_liu_tree(TreeSampler(independent, seed).draw(60), 200).tree.nodes) {
+      num_links += node.parent.has_value() ? 1 : 0;
+    }
+  }
+  EXPECT_LE(num_links, num_draws);
+  // Where the images tell, links stay.
+  const ChowLiuTree linked = train_chow_liu_tree(TreeSampler(strongly_linked_tree(20), 3).draw(500), 20).tree;
+  EXPECT_GE(
+      std::count_if(linked.nodes.begin(), linked.nodes.end(), [](const ChowLiuNode& node) { return node.parent.has_value(); }),
+      15);
 }
 
 TEST(ChowLiu, RefusesWhatIsNoTraining) {

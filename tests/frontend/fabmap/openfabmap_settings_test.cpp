@@ -67,14 +67,14 @@ TEST_F(OpenFabMapSettingsFile, IsReadInOurTerms) {
   EXPECT_EQ(settings.detector.p_seen_if_absent, 0.0);
   EXPECT_EQ(settings.recognizer.new_place, NewPlaceModel::Sampled);
   EXPECT_EQ(settings.recognizer.max_samples, 3000u);
-  EXPECT_EQ(settings.version, Settings::Version::FastBailOut);
+  EXPECT_EQ(settings.recognizer.engine, LikelihoodEngine::BailOut);
+  EXPECT_EQ(settings.recognizer.bail_out.p_drop_best, 1e-7);
+  EXPECT_EQ(settings.recognizer.bail_out.negligible, 1e-5);
   EXPECT_EQ(settings.word_dependence, Settings::WordDependence::NaiveBayes);
   EXPECT_EQ(settings.place_addition, Settings::PlaceAddition::NewMaximumOnly);
   ASSERT_TRUE(settings.motion);
   EXPECT_EQ(settings.motion->p_new, 0.9);
   EXPECT_EQ(settings.look_up_precision, 4);
-  EXPECT_EQ(settings.rejection_threshold, 1e-5);
-  EXPECT_EQ(settings.p_overtake, 1e-7);
   EXPECT_EQ(settings.bisection_start, 256.0);
   EXPECT_EQ(settings.num_bisections, 8);
   EXPECT_EQ(settings.radius, 0.3);
