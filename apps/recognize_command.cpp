@@ -36,7 +36,10 @@ struct RecognizeArguments {
 
 Model read_adjusted_model(const RecognizeArguments& arguments) {
   Model model = read_model(arguments.model);
-  if (arguments.naive_bayes) model.tree = naive_bayes(std::move(model.tree));
+  if (arguments.naive_bayes) {
+    model.tree = naive_bayes(std::move(model.tree));
+    model.domain.reset();  // it was measured with the links
+  }
   if (arguments.p_seen_if_present) model.detector.p_seen_if_present = *arguments.p_seen_if_present;
   if (arguments.p_seen_if_absent) model.detector.p_seen_if_absent = *arguments.p_seen_if_absent;
   validate(model.detector, "--p-seen-if-present and --p-seen-if-absent");
@@ -100,6 +103,7 @@ void run_recognize(RecognizeArguments& arguments, const CommonOptions& common) {
   options.slam.recognizer.new_place = *new_place_model_from_string(arguments.new_place);
   options.slam.revisit = *revisit_from_string(arguments.revisit);
   options.progress = make_progress(common);
+  options.warn = make_warn(common);
   options.on_row = folder.on_row();
   settle_window(arguments);
   arguments.source.if_damaged = arguments.strict ? IfDamaged::Refuse : IfDamaged::Skip;

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "frontend/fabmap/domain_check.h"
 #include "frontend/fabmap/hypotheses.h"
 
 namespace fabloop {
@@ -44,9 +45,11 @@ std::vector<PlaceMatch> matches_of(const Belief& belief, std::size_t max_matches
 
 /// Calls `step` for each image in turn and keeps what is made of it.
 template <typename Step>
-void recognize_each(const std::vector<ObservedImage>& images, const RecognitionOptions& options, Recognition& recognition,
-                    const Step& step) {
+void recognize_each(const Model& model, const std::vector<ObservedImage>& images, const RecognitionOptions& options,
+                    Recognition& recognition, const Step& step) {
+  DomainCheck domain_check(model, {.warn = options.warn});
   for (const ObservedImage& image : images) {
+    domain_check.add(image.observation);
     const auto start = Clock::now();
     AppearanceStep recognized = step(image);
     const std::size_t num_places = recognized.belief.p_place.size();
@@ -75,7 +78,8 @@ AppearanceStep add_to_map(AppearanceSlam& slam, const ObservedImage& image, Reco
 Recognition recognize_sequence(const Model& model, const std::vector<ObservedImage>& images, const RecognitionOptions& options) {
   AppearanceSlam slam(model, options.slam);
   Recognition recognition;
-  recognize_each(images, options, recognition, [&](const ObservedImage& image) { return add_to_map(slam, image, recognition); });
+  recognize_each(model, images, options, recognition,
+                 [&](const ObservedImage& image) { return add_to_map(slam, image, recognition); });
   return recognition;
 }
 
@@ -88,7 +92,8 @@ Recognition recognize_in_map(const Model& model, const std::vector<ObservedImage
     if (options.progress) options.progress("making the map", i + 1, map.size());
   }
   slam.forget_motion();
-  recognize_each(queries, options, recognition, [&](const ObservedImage& image) { return slam.localize(image.observation); });
+  recognize_each(model, queries, options, recognition,
+                 [&](const ObservedImage& image) { return slam.localize(image.observation); });
   return recognition;
 }
 

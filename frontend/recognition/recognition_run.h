@@ -54,6 +54,7 @@ struct RecognitionOptions {
   /// one; see HypothesesOptions. Zero in a map of another time.
   std::size_t num_recent_excluded = 10;
   BeliefRow on_row;
+  Warn warn{};  ///< Told once when the images look unlike those that the model was trained on; see DomainCheck.
   Progress progress;
 };
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
+#include <opencv2/videoio/registry.hpp>
 #include <utility>
 
 #include "frontend/error.h"
@@ -58,7 +59,9 @@ class VideoReader : public ImageReader {
  private:
   bool open() {
     try {
-      return video_.open(path_.string());
+      // Where FFmpeg cannot read it no other can, and the others complain on the console, or look for cameras.
+      const bool has_ffmpeg = cv::videoio_registry::hasBackend(cv::CAP_FFMPEG);
+      return video_.open(path_.string(), has_ffmpeg ? cv::CAP_FFMPEG : cv::CAP_ANY);
     } catch (const cv::Exception&) {
       return false;
     }

@@ -41,6 +41,19 @@ RecognitionOptions options_without_window() {
   return options;
 }
 
+TEST(RecognitionRun, WarnsOfImagesUnlikeTheTraining) {
+  Model model = model_of_words();
+  // No image of the training was less likely than one nat a word.
+  model.domain = Domain{std::vector<double>(101, 0.0), std::vector<double>(101, -1.0)};
+  std::size_t num_warnings = 0;
+  RecognitionOptions options = options_without_window();
+  options.warn = [&](const std::string&) { ++num_warnings; };
+  recognize_sequence(model, images_at(std::vector<WordId>(15, 1)), options);
+  EXPECT_EQ(num_warnings, 0u) << "too few images to tell";
+  recognize_sequence(model, images_at(std::vector<WordId>(40, 1)), options);
+  EXPECT_EQ(num_warnings, 1u);
+}
+
 TEST(RecognitionRun, EachImageIsRecognisedAmongThoseBeforeIt) {
   std::vector<std::size_t> row_lengths;
   RecognitionOptions options = options_without_window();
