@@ -20,15 +20,11 @@ double log_or_minus_infinity(double p) { return p > 0.0 ? std::log(p) : -std::nu
 double exp_of_differences(const std::vector<double>& x, double highest, std::vector<double>& result) {
   constexpr double kUnderflow = -708.0;
   const auto size = static_cast<Eigen::Index>(x.size());
-  // Eigen's is several numbers at a time, and stops short of zero.
-  Eigen::Map<Eigen::ArrayXd>(result.data(), size) =
-      (Eigen::Map<const Eigen::ArrayXd>(x.data(), size) - highest).max(kUnderflow).exp();
-  double sum = 0.0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    if (x[i] - highest < kUnderflow) result[i] = 0.0;
-    sum += result[i];
-  }
-  return sum;
+  Eigen::Map<Eigen::ArrayXd> p(result.data(), size);
+  // Eigen's is of several numbers at a time, and stops short of zero.
+  p = (Eigen::Map<const Eigen::ArrayXd>(x.data(), size) - highest).max(kUnderflow).exp();
+  for (std::size_t i = 0; i < x.size(); ++i) result[i] = x[i] - highest < kUnderflow ? 0.0 : result[i];
+  return p.sum();
 }
 
 }  // namespace
@@ -93,14 +89,17 @@ Belief posterior(const Prior& prior, std::vector<double> log_likelihood, double 
   belief.log_likelihood_new = log_likelihood_new;
   belief.log_likelihood = std::move(log_likelihood);
   belief.log_p_new = log_or_minus_infinity(prior.p_new) + belief.log_likelihood_new;
-  belief.log_p_place.resize(num_places);
-  double highest = belief.log_p_new;
+  belief.log_p_place = belief.log_likelihood;
   // Most of a map is equally likely beforehand, so that one logarithm serves many places.
   double p_last = 1.0, log_p_last = 0.0;
   for (std::size_t i = 0; i < num_places; ++i) {
     if (prior.p_place[i] != p_last) log_p_last = log_or_minus_infinity(p_last = prior.p_place[i]);
-    belief.log_p_place[i] = log_p_last + belief.log_likelihood[i];
-    highest = std::max(highest, belief.log_p_place[i]);
+    belief.log_p_place[i] += log_p_last;
+  }
+  double highest = belief.log_p_new;
+  if (num_places > 0) {
+    highest = std::max(
+        highest, Eigen::Map<const Eigen::ArrayXd>(belief.log_p_place.data(), static_cast<Eigen::Index>(num_places)).maxCoeff());
   }
   if (!std::isfinite(highest)) throw InputError("the observation is impossible at every place that the prior allows");
 

@@ -15,7 +15,7 @@ namespace fabloop {
 class PostingBlock {
  public:
   /// The likelihoods of a block fit the second-level cache, so a query goes through a map block by block.
-  static constexpr std::size_t kCapacity = 8192;
+  static constexpr std::size_t kCapacity = 16384;
   using Position = std::uint16_t;
 
   explicit PostingBlock(std::size_t num_words) : open_(num_words) {}
@@ -36,10 +36,16 @@ class PostingBlock {
 
   /// Asks for the memory that places() will read: first for where the list is, then for the list.
   void prefetch_list_of(WordId word) const {
-    if (open_.empty()) __builtin_prefetch(&begin_[word]);
+    if (open_.empty()) {
+      __builtin_prefetch(&begin_[word]);
+    } else {
+      __builtin_prefetch(&open_[word]);
+    }
   }
   void prefetch_places(WordId word) const {
-    if (open_.empty()) __builtin_prefetch(packed_.data() + begin_[word]);
+    constexpr std::size_t kPlacesPerLine = 64 / sizeof(Position);
+    const std::span<const Position> list = places(word);
+    for (std::size_t i = 0; i < list.size(); i += kPlacesPerLine) __builtin_prefetch(list.data() + i);
   }
 
  private:

@@ -96,15 +96,16 @@ TEST(LikelihoodEngines, EnginesAgreeAfterManyVisits) {
 }
 
 TEST(LikelihoodEngines, EnginesAgreeAcrossBlocksOfTheIndex) {
-  const ChowLiuTree tree = random_tree(40, 0.1, 13);
+  const ChowLiuTree tree = random_tree(10, 0.2, 13);
   TreeSampler sampler(tree, 13);
   Engines engines(tree, {0.39, 0.01}, {});
-  const std::size_t more_than_a_block = PostingBlock::kCapacity + 300;
+  constexpr PlaceId kBlock = PostingBlock::kCapacity;
   const std::vector<Observation> observations = sampler.draw(64);
-  for (std::size_t i = 0; i < more_than_a_block; ++i) engines.add_place(observations[i % 64]);
+  for (std::size_t i = 0; i < kBlock + 300; ++i) engines.add_place(observations[i % 64]);
   // Places of the full block and of the open one, once and again.
-  for (const PlaceId place : {0u, 77u, 77u, 8191u, 8192u, 8300u, 8300u}) engines.add_visit(place, sampler.draw());
-  engines.expect_to_agree(observations[3]);
+  for (const PlaceId place : {0u, 77u, 77u, kBlock - 1, kBlock, kBlock + 200, kBlock + 200}) {
+    engines.add_visit(place, sampler.draw());
+  }
   engines.expect_to_agree(sampler.draw());
 }
 
