@@ -124,12 +124,19 @@ TrainedModel train_model(const std::vector<fs::path>& sources, const SourceTrain
   ModelTrainingOptions identified = options;
   identified.images_identity += identity_of(sources, source_options);
   DescribedImages images(state_for_images(options, identified.images_identity));
-  const FeatureExtractor extractor(options.features);
-  for (ImageSource& source : opened) images.add(source, extractor, source_options.shape, options);
-  const FeatureSource features = [&](std::size_t image) { return Features{options.features.kind.descriptor, {}, images[image]}; };
-  TrainedModel trained = train_model(images.size(), features, identified);
-  images.discard();
-  return trained;
+  try {
+    const FeatureExtractor extractor(options.features);
+    for (ImageSource& source : opened) images.add(source, extractor, source_options.shape, options);
+    const FeatureSource features = [&](std::size_t image) {
+      return Features{options.features.kind.descriptor, {}, images[image]};
+    };
+    TrainedModel trained = train_model(images.size(), features, identified);
+    images.discard();
+    return trained;
+  } catch (const InputError&) {
+    images.discard();  // they are of images or options that must change
+    throw;
+  }
 }
 
 }  // namespace fabloop
