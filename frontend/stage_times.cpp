@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numeric>
 
 namespace fabloop {
@@ -21,6 +22,15 @@ StageTimes stage_times(std::vector<double> seconds) {
   std::sort(seconds.begin(), seconds.end());
   return {seconds.size(), 1e3 * percentile(seconds, 0.50), 1e3 * percentile(seconds, 0.99), 1e3 * seconds.back(),
           std::accumulate(seconds.begin(), seconds.end(), 0.0)};
+}
+
+std::string to_json(const StageTimes& times) {
+  return nlohmann::ordered_json{{"count", times.count},
+                                {"p50_ms", times.p50_ms},
+                                {"p99_ms", times.p99_ms},
+                                {"max_ms", times.max_ms},
+                                {"total_s", times.total_s}}
+      .dump();
 }
 
 }  // namespace fabloop

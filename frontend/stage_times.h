@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 namespace fabloop {
@@ -17,5 +18,8 @@ struct StageTimes {
 
 /// From the seconds that each piece of work took, in any order.
 StageTimes stage_times(std::vector<double> seconds);
+
+/// As it stands in summaries: `count`, `p50_ms`, `p99_ms`, `max_ms`, `total_s`.
+std::string to_json(const StageTimes& times);
 
 }  // namespace fabloop

@@ -27,6 +27,21 @@ double exp_of_differences(const std::vector<double>& x, double highest, std::vec
   return p.sum();
 }
 
+/// Makes probabilities of logarithms that lack a common factor, `highest` being the highest of them.
+void normalize(Belief& belief, double highest) {
+  belief.p_place.resize(belief.log_p_place.size());
+  belief.p_new = std::exp(belief.log_p_new - highest);
+  const double sum = belief.p_new + exp_of_differences(belief.log_p_place, highest, belief.p_place);
+  const double log_sum = highest + std::log(sum);
+  const double factor = 1.0 / sum;
+  belief.p_new *= factor;
+  belief.log_p_new -= log_sum;
+  for (std::size_t i = 0; i < belief.p_place.size(); ++i) {
+    belief.p_place[i] *= factor;
+    belief.log_p_place[i] -= log_sum;
+  }
+}
+
 }  // namespace
 
 Prior uniform_prior(std::size_t num_places, double p_new) {
@@ -55,14 +70,7 @@ Belief without_recent_places(Belief belief, std::size_t num_places) {
   double highest = belief.log_p_new;
   for (const double log_p : belief.log_p_place) highest = std::max(highest, log_p);
   if (!std::isfinite(highest)) highest = belief.log_p_new = 0.0;
-  const double sum = std::exp(belief.log_p_new - highest) + exp_of_differences(belief.log_p_place, highest, belief.p_place);
-  const double log_total = highest + std::log(sum);
-  belief.log_p_new -= log_total;
-  belief.p_new = std::exp(belief.log_p_new);
-  for (std::size_t i = 0; i < belief.p_place.size(); ++i) {
-    belief.p_place[i] /= sum;
-    belief.log_p_place[i] -= log_total;
-  }
+  normalize(belief, highest);
   return belief;
 }
 
@@ -102,18 +110,7 @@ Belief posterior(const Prior& prior, std::vector<double> log_likelihood, double 
         highest, Eigen::Map<const Eigen::ArrayXd>(belief.log_p_place.data(), static_cast<Eigen::Index>(num_places)).maxCoeff());
   }
   if (!std::isfinite(highest)) throw InputError("the observation is impossible at every place that the prior allows");
-
-  belief.p_new = std::exp(belief.log_p_new - highest);
-  belief.p_place.resize(num_places);
-  const double sum = belief.p_new + exp_of_differences(belief.log_p_place, highest, belief.p_place);
-  const double log_evidence = highest + std::log(sum);
-  belief.p_new /= sum;
-  belief.log_p_new -= log_evidence;
-  const double factor = 1.0 / sum;
-  for (std::size_t i = 0; i < num_places; ++i) {
-    belief.p_place[i] *= factor;
-    belief.log_p_place[i] -= log_evidence;
-  }
+  normalize(belief, highest);
   return belief;
 }
 

@@ -65,27 +65,28 @@ struct RouteLinks {
   }
 };
 
-/// The links of a graph, followed and turned round.
+/// The links of a graph, followed and gone back.
 class GraphLinks {
  public:
-  explicit GraphLinks(const PlaceGraph& graph) : graph_(graph) {
-    for (PlaceId from = 0; from < graph.num_places(); ++from) {
-      for (const PlaceId to : graph.next[from]) link(turned_, to, from);
+  explicit GraphLinks(const PlaceGraph& graph) : graph_(graph), num_ways_back_(graph.num_places(), 0) {
+    for (const std::vector<PlaceId>& next : graph.next) {
+      for (const PlaceId to : next) ++num_ways_back_[to];
     }
-    turned_.next.resize(graph.num_places());
   }
-  void forward(const std::vector<double>& from, std::vector<double>& to) const { follow(graph_, from, to); }
-  void backward(const std::vector<double>& from, std::vector<double>& to) const { follow(turned_, from, to); }
+  void forward(const std::vector<double>& from, std::vector<double>& to) const {
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      for (const PlaceId next : graph_.next[i]) to[next] += from[i] / static_cast<double>(graph_.next[i].size());
+    }
+  }
+  void backward(const std::vector<double>& from, std::vector<double>& to) const {
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      for (const PlaceId next : graph_.next[i]) to[i] += from[next] / static_cast<double>(num_ways_back_[next]);
+    }
+  }
 
  private:
-  static void follow(const PlaceGraph& graph, const std::vector<double>& from, std::vector<double>& to) {
-    for (std::size_t i = 0; i < from.size(); ++i) {
-      for (const PlaceId next : graph.next[i]) to[next] += from[i] / static_cast<double>(graph.next[i].size());
-    }
-  }
-
   const PlaceGraph& graph_;
-  PlaceGraph turned_;
+  std::vector<std::size_t> num_ways_back_;  ///< By place: the links that lead there.
 };
 
 double sum_of(const std::vector<double>& values) {
