@@ -179,7 +179,7 @@ Verification Verifier::verify(const View& query, const View& match) const {
   for (const std::size_t i : relative->inliers) result.inliers.push_back(matches[i]);
   result.num_inliers = static_cast<int>(relative->inliers.size());
   result.num_iterations = relative->iterations;
-  result.rms_error_px = relative->rms_error_rad * match.camera.focal_px();
+  result.rms_error_px = relative->noise_rad * match.camera.focal_px();
   result.median_parallax_deg = deg_from_rad(median_parallax(pairs, relative->inliers, relative->match_from_query));
   const double p_accident = p_accidental_epipolar_match(match.camera.width, match.camera.height, options_.max_error_px);
   result.log10_false_alarms = log10_false_alarms(pairs.size(), relative->inliers.size(), 5, p_accident, kFivePointModels);
