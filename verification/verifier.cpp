@@ -178,6 +178,7 @@ Verification Verifier::verify(const View& query, const View& match) const {
 
   for (const std::size_t i : relative->inliers) result.inliers.push_back(matches[i]);
   result.num_inliers = static_cast<int>(relative->inliers.size());
+  result.num_true = relative->num_true;
   result.num_iterations = relative->iterations;
   result.rms_error_px = relative->noise_rad * match.camera.focal_px();
   result.median_parallax_deg = deg_from_rad(median_parallax(pairs, relative->inliers, relative->match_from_query));

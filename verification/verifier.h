@@ -66,6 +66,7 @@ struct Verification {
   Verdict verdict = Verdict::TooFewMatches;
   int num_matches = 0;
   int num_inliers = 0;             ///< Epipolar.
+  double num_true = 0;             ///< Expected number of true ones among them; see inlier_noise.h.
   int num_point_inliers = 0;       ///< Of the metric pose.
   double log10_false_alarms = 0;   ///< See evidence.h.
   double inlier_area = 0;          ///< Share of the image inside the inliers' convex hull, the smaller of both images.
