@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "frontend/features/features.h"
+
+namespace fabloop {
+
+/// What of the match looks most like one feature of the query.
+struct NearestFeature {
+  int index = -1;
+  float distance = std::numeric_limits<float>::infinity();         ///< Squared, of floats and bits alike.
+  float second_distance = std::numeric_limits<float>::infinity();  ///< Squared, among features of other spots than the nearest.
+};
+
+/// For each feature of the query the nearest of the match (the first of several equally near) with index -1 where another
+/// query feature is nearer to it (of several equally near, the first has it). Exact, and exhaustive; only a few rows of the
+/// table of all distances exist at a time. Neither side is empty.
+std::vector<NearestFeature> mutually_nearest(const Features& query, const Features& match, double same_spot_px);
+
+}  // namespace fabloop
