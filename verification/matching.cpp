@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "verification/matching.h"
 
-#include <algorithm>
 #include <cassert>
-#include <cmath>
+#include <utility>
 
 #include "verification/nearest_features.h"
 #include "verification/spots.h"
@@ -18,11 +17,10 @@ std::vector<Match> match_features(const Features& query, const Features& match, 
   for (std::size_t q = 0; q < nearest.size(); ++q) {
     const NearestFeature& found = nearest[q];
     if (found.index < 0) continue;
-    const float ratio = found.second_distance > 0 ? std::sqrt(found.distance / found.second_distance) : 1.0F;
+    const float ratio = distance_ratio(found.distance, found.second_distance);
     if (ratio <= options.max_ratio) matches.push_back({static_cast<int>(q), found.index, ratio});
   }
-  std::stable_sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) { return a.ratio < b.ratio; });
-  return options.same_spot_px > 0 ? one_a_spot(matches, query.keypoints, options.same_spot_px) : matches;
+  return most_distinctive_first(std::move(matches), query.keypoints, options.same_spot_px);
 }
 
 }  // namespace fabloop

@@ -2,31 +2,18 @@
 #include "verification/nearest_features.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
-#include <opencv2/core.hpp>
+#include <utility>
 
-#include "frontend/features/descriptor_distances.h"
-#include "frontend/features/hamming_distances.h"
 #include "frontend/features/row_minima.h"
+#include "verification/feature_distances.h"
 #include "verification/spots.h"
 
 namespace fabloop {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-/// Distances to the match's features: squared of floats, plain of bits.
-struct FloatDistances {
-  PackedDescriptors packed;
-  std::size_t stride() const { return packed.stride(); }
-  void operator()(const cv::Mat& queries, float* distances) const { packed.squared_distances(queries, distances); }
-};
-
-struct BitDistances {
-  PackedBits packed;
-  std::size_t stride() const { return packed.stride(); }
-  void operator()(const cv::Mat& queries, float* distances) const { packed.distances(queries, distances); }
-};
 
 /// The least distance to another spot than the nearest feature's. Changes the row.
 float second_best(float* row, std::size_t stride, std::size_t nearest, const std::vector<cv::KeyPoint>& keypoints,
@@ -48,10 +35,11 @@ float second_best(float* row, std::size_t stride, std::size_t nearest, const std
   return least_of(row, stride);
 }
 
-template <typename Distances>
-std::vector<NearestFeature> search(const Distances& distances_of, const Features& query, const Features& match,
-                                   double same_spot_px) {
+}  // namespace
+
+std::vector<NearestFeature> mutually_nearest(const Features& query, const Features& match, double same_spot_px) {
   constexpr int kRowsAtOnce = 60;
+  const FeatureDistances distances_of(match.descriptors);
   const std::size_t stride = distances_of.stride();
   std::vector<float> distances(static_cast<std::size_t>(std::min(kRowsAtOnce, query.descriptors.rows)) * stride);
   std::vector<float> to_nearest_query(stride, kInfinity);
@@ -69,6 +57,16 @@ std::vector<NearestFeature> search(const Distances& distances_of, const Features
       found.second_distance = second_best(row, stride, index, match.keypoints, same_spot_px);
     }
   }
+  nearest = only_mutual(std::move(nearest), std::move(to_nearest_query));
+  if (query.descriptors.type() == CV_32F) return nearest;
+  for (NearestFeature& found : nearest) {
+    found.distance *= found.distance;
+    found.second_distance *= found.second_distance;
+  }
+  return nearest;
+}
+
+std::vector<NearestFeature> only_mutual(std::vector<NearestFeature> nearest, std::vector<float> to_nearest_query) {
   for (NearestFeature& found : nearest) {
     if (found.index < 0) continue;
     float& least = to_nearest_query[static_cast<std::size_t>(found.index)];
@@ -81,18 +79,8 @@ std::vector<NearestFeature> search(const Distances& distances_of, const Features
   return nearest;
 }
 
-}  // namespace
-
-std::vector<NearestFeature> mutually_nearest(const Features& query, const Features& match, double same_spot_px) {
-  if (query.descriptors.type() == CV_32F) {
-    return search(FloatDistances{PackedDescriptors(match.descriptors)}, query, match, same_spot_px);
-  }
-  std::vector<NearestFeature> nearest = search(BitDistances{PackedBits(match.descriptors)}, query, match, same_spot_px);
-  for (NearestFeature& found : nearest) {
-    found.distance *= found.distance;
-    found.second_distance *= found.second_distance;
-  }
-  return nearest;
+float distance_ratio(float distance, float second_distance) {
+  return second_distance > 0 ? std::sqrt(distance / second_distance) : 1.0F;
 }
 
 }  // namespace fabloop

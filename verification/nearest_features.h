@@ -20,4 +20,11 @@ struct NearestFeature {
 /// table of all distances exist at a time. Neither side is empty.
 std::vector<NearestFeature> mutually_nearest(const Features& query, const Features& match, double same_spot_px);
 
+/// Takes the index of those whose nearest feature has a nearer query; of several equally near, the first keeps it.
+/// `to_nearest_query`: the least distance to each feature of the match.
+std::vector<NearestFeature> only_mutual(std::vector<NearestFeature> nearest, std::vector<float> to_nearest_query);
+
+/// From squared distances; 1 when the second is 0.
+float distance_ratio(float distance, float second_distance);
+
 }  // namespace fabloop

@@ -34,4 +34,10 @@ std::vector<Match> one_a_spot(const std::vector<Match>& matches, const std::vect
   return kept;
 }
 
+std::vector<Match> most_distinctive_first(std::vector<Match> matches, const std::vector<cv::KeyPoint>& keypoints,
+                                          double same_spot_px) {
+  std::stable_sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) { return a.ratio < b.ratio; });
+  return same_spot_px > 0 ? one_a_spot(matches, keypoints, same_spot_px) : matches;
+}
+
 }  // namespace fabloop

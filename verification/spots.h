@@ -17,4 +17,8 @@ inline bool same_spot(const cv::KeyPoint& a, const cv::KeyPoint& b, double dista
 /// Keeps the first match of each spot of the query, in their order. `keypoints` are the query's.
 std::vector<Match> one_a_spot(const std::vector<Match>& matches, const std::vector<cv::KeyPoint>& keypoints, double same_spot_px);
 
+/// Sorted by ratio, in their order where it is equal; then one a spot of the query, unless same_spot_px is 0.
+std::vector<Match> most_distinctive_first(std::vector<Match> matches, const std::vector<cv::KeyPoint>& keypoints,
+                                          double same_spot_px);
+
 }  // namespace fabloop
