@@ -30,4 +30,8 @@ class FeatureDistances {
 /// Squared distance of feature i of a and feature j of b: Euclidean of floats, Hamming of bits.
 float squared_distance_between(const Features& a, int i, const Features& b, int j);
 
+/// What two features typically are apart that have nothing to do with each other: the median over some pairs of the two sides,
+/// a few of which may be true ones by chance. Neither side is empty.
+float typical_squared_distance(const Features& query, const Features& match);
+
 }  // namespace fabloop

@@ -18,41 +18,6 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// The median over some pairs that have nothing to do with each other, but for a few by chance.
-float typical_squared_distance(const Features& query, const Features& match) {
-  constexpr std::size_t kNumPairs = 201;
-  constexpr std::size_t kStep = 2654435761;  // Knuth's multiplicative hash
-  std::vector<float> distances;
-  for (std::size_t i = 0; i < kNumPairs; ++i) {
-    const auto q = static_cast<int>(i * query.keypoints.size() / kNumPairs);
-    const auto m = static_cast<int>(i * kStep % match.keypoints.size());
-    distances.push_back(squared_distance_between(query, q, match, m));
-  }
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(kNumPairs / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return *middle;
-}
-
-/// The nearest of the candidates, the lower of several equally near, and the second in another spot.
-NearestFeature nearest_of(const std::vector<int>& candidates, const std::vector<float>& distances,
-                          const std::vector<cv::KeyPoint>& keypoints, double same_spot_px) {
-  NearestFeature nearest;
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    const bool is_first = distances[i] == nearest.distance && candidates[i] < nearest.index;
-    if (distances[i] < nearest.distance || is_first) {
-      nearest.index = candidates[i];
-      nearest.distance = distances[i];
-    }
-  }
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (candidates[i] == nearest.index || distances[i] >= nearest.second_distance) continue;
-    const bool is_rival = !same_spot(keypoints[static_cast<std::size_t>(candidates[i])],
-                                     keypoints[static_cast<std::size_t>(nearest.index)], same_spot_px);
-    if (is_rival) nearest.second_distance = distances[i];
-  }
-  return nearest;
-}
-
 /// For each feature of the query the nearest in its band, with index -1 where another query feature is nearer to that.
 std::vector<NearestFeature> mutually_nearest_in_bands(const View& query, const View& match, const Pose& match_from_query,
                                                       const GuidedMatchingOptions& options) {
@@ -90,7 +55,7 @@ std::vector<Match> guided_matches(const View& query, const View& match, const Po
     const NearestFeature& found = nearest[q];
     if (found.index < 0 || found.distance > max_squared_distance) continue;
     const float ratio = distance_ratio(found.distance, std::min(found.second_distance, typical));
-    if (ratio <= options.max_ratio) matches.push_back({static_cast<int>(q), found.index, ratio});
+    if (ratio <= options.max_ratio) matches.push_back({static_cast<int>(q), found.index, ratio, RatioAmong::Band});
   }
   return most_distinctive_first(std::move(matches), query.features.keypoints, options.same_spot_px);
 }

@@ -66,6 +66,25 @@ std::vector<NearestFeature> mutually_nearest(const Features& query, const Featur
   return nearest;
 }
 
+NearestFeature nearest_of(std::span<const int> candidates, std::span<const float> distances,
+                          const std::vector<cv::KeyPoint>& keypoints, double same_spot_px) {
+  NearestFeature nearest;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const bool is_first = distances[i] == nearest.distance && candidates[i] < nearest.index;
+    if (distances[i] < nearest.distance || is_first) {
+      nearest.index = candidates[i];
+      nearest.distance = distances[i];
+    }
+  }
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (candidates[i] == nearest.index || distances[i] >= nearest.second_distance) continue;
+    const bool is_rival = !same_spot(keypoints[static_cast<std::size_t>(candidates[i])],
+                                     keypoints[static_cast<std::size_t>(nearest.index)], same_spot_px);
+    if (is_rival) nearest.second_distance = distances[i];
+  }
+  return nearest;
+}
+
 std::vector<NearestFeature> only_mutual(std::vector<NearestFeature> nearest, std::vector<float> to_nearest_query) {
   for (NearestFeature& found : nearest) {
     if (found.index < 0) continue;

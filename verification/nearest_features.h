@@ -2,6 +2,8 @@
 #pragma once
 
 #include <limits>
+#include <opencv2/core.hpp>
+#include <span>
 #include <vector>
 
 #include "frontend/features/features.h"
@@ -19,6 +21,11 @@ struct NearestFeature {
 /// query feature is nearer to it (of several equally near, the first has it). Exact, and exhaustive; only a few rows of the
 /// table of all distances exist at a time. Neither side is empty.
 std::vector<NearestFeature> mutually_nearest(const Features& query, const Features& match, double same_spot_px);
+
+/// The nearest of some features of the match (the lower of several equally near), by their squared distances, and the second
+/// at another spot. Index -1 for no candidates.
+NearestFeature nearest_of(std::span<const int> candidates, std::span<const float> distances,
+                          const std::vector<cv::KeyPoint>& keypoints, double same_spot_px);
 
 /// Takes the index of those whose nearest feature has a nearer query; of several equally near, the first keeps it.
 /// `to_nearest_query`: the least distance to each feature of the match.
