@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "verification/levenberg_marquardt.h"
+#include "verification/median.h"
 #include "verification/residuals.h"
 
 namespace fabloop {
@@ -107,10 +108,7 @@ double median_depth(const JointData& data, const Active& active, const Pose& mat
   for (const std::size_t i : active.match_points)
     depths.push_back((data.match_points[i].point_in_world - match_from_query.translation).norm());
   for (const std::size_t i : active.query_points) depths.push_back(data.query_points[i].point_in_world.norm());
-  if (depths.empty()) return 0;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
+  return median(std::move(depths));
 }
 
 NormalEquations<6> linearise(const JointData& data, const Active& active, const Pose& pose, double min_baseline) {

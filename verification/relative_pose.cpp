@@ -12,6 +12,7 @@
 #include "verification/five_point.h"
 #include "verification/inlier_noise.h"
 #include "verification/levenberg_marquardt.h"
+#include "verification/median.h"
 #include "verification/ransac.h"
 #include "verification/residuals.h"
 
@@ -28,14 +29,11 @@ Eigen::Matrix<double, 3, 2> tangent_basis(const Eigen::Vector3d& direction) {
   return basis;
 }
 
-/// Depths along both rays of their closest points; false when the rays meet behind a camera.
-bool in_front_of_both(const RayPair& pair, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation) {
-  const Eigen::Vector3d query_ray = rotation * pair.query;
-  const double cosine = query_ray.dot(pair.match);
-  const double a = pair.match.dot(translation);
-  const double b = query_ray.dot(translation);
-  // depth_match * match = translation + depth_query * query_ray, solved by least squares; the common positive factor is left out.
-  return a - cosine * b > 0 && cosine * a - b > 0;
+/// Whether rays meet in front of both cameras. Parallel ones, whose point is as good as infinitely far, do.
+bool in_front_of_both(const RayPair& pair, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& direction,
+                      double min_parallax_rad) {
+  const RayDepths depths = ray_depths(rotation * pair.query, pair.match, direction);
+  return depths.squared_sine < min_parallax_rad * min_parallax_rad || (depths.query > 0 && depths.match > 0);
 }
 
 /// Epipolar residuals with respect to (rotation in the query frame, direction's tangent plane), radians.
@@ -116,14 +114,20 @@ class RelativePoseProblem {
   /// None when fewer inliers than a sample lie in front of both cameras.
   std::optional<Pose> model_of(const Essential& essential) const {
     const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> matrix(essential.data());
-    const auto poses = poses_of(matrix);
-    return most_in_front(poses, inliers_of(*this, poses[0], options_.max_error_rad));
+    std::vector<std::size_t> inliers;
+    for (std::size_t i = 0; i < pairs_.size(); ++i) {
+      if (std::abs(epipolar_residual(pairs_[i].query, pairs_[i].match, matrix).angle()) < options_.max_error_rad) inliers.push_back(i);
+    }
+    return most_in_front(poses_of(matrix), inliers);
   }
 
+  /// Pairs behind a camera are as far off as can be: of a plane's two poses often one alone has all in front.
   auto evaluator(const Pose& match_from_query) const {
-    return [this, essential = essential_matrix(match_from_query)](std::size_t i) {
+    return [this, essential = essential_matrix(match_from_query), rotation = match_from_query.rotation.toRotationMatrix(),
+            direction = match_from_query.translation](std::size_t i) {
       const double angle = epipolar_residual(pairs_[i].query, pairs_[i].match, essential).angle();
-      return angle * angle;
+      const bool agrees = std::abs(angle) < options_.max_error_rad;
+      return agrees && !in_front_of_both(pairs_[i], rotation, direction, options_.max_error_rad) ? kPi : angle * angle;
     };
   }
 
@@ -139,7 +143,7 @@ class RelativePoseProblem {
     std::array<std::size_t, 4> in_front{};
     for (std::size_t k = 0; k < poses.size(); ++k) {
       const Eigen::Matrix3d rotation = poses[k].rotation.toRotationMatrix();
-      for (const std::size_t i : inliers) in_front[k] += in_front_of_both(pairs_[i], rotation, poses[k].translation);
+      for (const std::size_t i : inliers) in_front[k] += in_front_of_both(pairs_[i], rotation, poses[k].translation, options_.max_error_rad);
     }
     const auto most = std::max_element(in_front.begin(), in_front.end());
     if (*most < kSampleSize) return std::nullopt;
@@ -200,7 +204,9 @@ InlierNoise noise_about(std::span<const RayPair> pairs, const Pose& match_from_q
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     residuals_rad[i] = epipolar_residual(pairs[i].query, pairs[i].match, essential).angle();
     const bool agrees = std::abs(residuals_rad[i]) < max_error_rad;
-    if (agrees && !in_front_of_both(pairs[i], rotation, match_from_query.translation)) residuals_rad[i] = kPi;
+    if (agrees && !in_front_of_both(pairs[i], rotation, match_from_query.translation, max_error_rad)) {
+      residuals_rad[i] = kPi;
+    }
   }
   return estimate_inlier_noise(residuals_rad, max_error_rad, 5);
 }
@@ -258,17 +264,37 @@ std::optional<RelativePose> refine_relative_pose(std::span<const RayPair> pairs,
   return finish(pairs, {match_from_query.rotation, match_from_query.translation.normalized()}, options, 0);
 }
 
+RotationFit fit_rotation(std::span<const RayPair> pairs, std::span<const std::size_t> indices, double max_error_rad) {
+  RotationFit fit;
+  if (indices.empty()) return fit;
+  constexpr int kRounds = 5;
+  for (int round = 0; round < kRounds; ++round) {
+    Eigen::Matrix3d correlation = Eigen::Matrix3d::Zero();
+    for (const std::size_t i : indices) {
+      // Cauchy's weight, from the second round on.
+      const double error = round == 0 ? 0 : angle_between(fit.match_from_query * pairs[i].query, pairs[i].match) / max_error_rad;
+      correlation += pairs[i].match * pairs[i].query.transpose() / (1.0 + error * error);
+    }
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(correlation, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Eigen::Vector3d signs(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant());
+    fit.match_from_query = Eigen::Quaterniond(
+        Eigen::Matrix3d(svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose())).normalized();
+  }
+  std::size_t num_within = 0;
+  for (const std::size_t i : indices)
+    num_within += angle_between(fit.match_from_query * pairs[i].query, pairs[i].match) < max_error_rad;
+  fit.share = static_cast<double>(num_within) / static_cast<double>(indices.size());
+  return fit;
+}
+
 double median_parallax(std::span<const RayPair> pairs, std::span<const std::size_t> indices, const Pose& match_from_query) {
-  if (indices.empty()) return 0;
   std::vector<double> angles;
   angles.reserve(indices.size());
   for (const std::size_t i : indices) {
     const Eigen::Vector3d query_ray = match_from_query.rotation * pairs[i].query;
     angles.push_back(angle_between(query_ray, pairs[i].match));
   }
-  const auto middle = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2);
-  std::nth_element(angles.begin(), middle, angles.end());
-  return *middle;
+  return median(std::move(angles));
 }
 
 }  // namespace fabloop

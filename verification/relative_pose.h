@@ -52,6 +52,16 @@ std::optional<RelativePose> estimate_relative_pose(std::span<const RayPair> pair
 std::optional<RelativePose> refine_relative_pose(std::span<const RayPair> pairs, const Pose& match_from_query,
                                                  const RelativePoseOptions& options = {});
 
+/// The rotation alone that maps the query's rays onto the match's best (Kabsch 1976), robustly: what is left between two views
+/// without a baseline.
+struct RotationFit {
+  Eigen::Quaterniond match_from_query = Eigen::Quaterniond::Identity();
+  double share = 0;  ///< Of the given pairs, how many lie within the threshold.
+};
+
+/// Fits a rotation to the given pairs; those far off lose their say in a few rounds.
+RotationFit fit_rotation(std::span<const RayPair> pairs, std::span<const std::size_t> indices, double max_error_rad);
+
 /// Median angle between the rays of the given pairs once the rotation between the views is undone, radians.
 double median_parallax(std::span<const RayPair> pairs, std::span<const std::size_t> indices, const Pose& match_from_query);
 

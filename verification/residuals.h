@@ -61,6 +61,21 @@ inline EpipolarJacobian epipolar_jacobian(const EpipolarResidual& residual, cons
           inverse * (error_by_translation - angle * inverse * norm_by_translation)};
 }
 
+/// Where two rays come closest, along each: least squares of depth_match match - depth_query query_ray = translation.
+struct RayDepths {
+  double query = 0;         ///< In the unit of the translation, times `squared_sine`.
+  double match = 0;         ///< As `query`.
+  double squared_sine = 0;  ///< Of the angle between the rays: 0 for parallel ones, which have no depth.
+};
+
+/// `query_ray` is turned into the match's axes.
+inline RayDepths ray_depths(const Eigen::Vector3d& query_ray, const Eigen::Vector3d& match_ray, const Eigen::Vector3d& translation) {
+  const double cosine = query_ray.dot(match_ray);
+  const double a = match_ray.dot(translation);
+  const double b = query_ray.dot(translation);
+  return {cosine * a - b, a - cosine * b, query_ray.cross(match_ray).squaredNorm()};
+}
+
 /// What a point's direction lies off a ray, in two axes across the ray: sines of angles.
 struct DirectionResidual {
   Eigen::Vector2d value;
