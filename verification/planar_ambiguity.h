@@ -9,7 +9,7 @@
 namespace fabloop {
 
 struct PlanarAmbiguityOptions {
-  double min_planar_ratio = 0.7;    ///< Share of the inliers that a plane must hold before the scene counts as planar.
+  double min_planar_ratio = 0.3;    ///< Share of the inliers that a plane must hold before its poses are looked at.
   double min_support_ratio = 0.75;  ///< True pairs that another pose must have, relative to the best, to be a rival.
   double min_rotation_deg = 3.0;    ///< Poses closer than this, and than `min_direction_deg`, are the same answer.
   double min_direction_deg = 10.0;

@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "verification/planar_ambiguity.h"
@@ -16,8 +17,15 @@ std::vector<Match> inlier_matches(const std::vector<Match>& matches, const Relat
   return inliers;
 }
 
-double log_likelihood(const PoseCandidate& candidate, const std::optional<PosePrior>& prior) {
-  double sum = candidate.relative.num_true;
+/// Of the true pairs, their noise being as large as it turned out, against residuals at random within the threshold: the right
+/// one of two poses is often not the one with more inliers, but the one on which they lie closer.
+double log_likelihood(const RelativePose& relative, double max_error_rad) {
+  constexpr double kMaxSharpness = 20.0;  // a noise below a twentieth of the threshold is luck
+  return relative.num_true * std::log(std::min(kMaxSharpness, max_error_rad / relative.noise_rad));
+}
+
+double log_likelihood(const PoseCandidate& candidate, double max_error_rad, const std::optional<PosePrior>& prior) {
+  double sum = log_likelihood(candidate.relative, max_error_rad);
   if (candidate.scale) sum += candidate.scale->log_likelihood;
   if (!prior) return sum;
   Pose pose = candidate.relative.match_from_query;
@@ -38,7 +46,7 @@ std::vector<PoseCandidate> pose_candidates(const View& query, const View& match,
   for (PoseCandidate& candidate : candidates) {
     candidate.scale = estimate_scale(query, match, inlier_matches(matches, candidate.relative),
                                      candidate.relative.match_from_query, scale_options);
-    candidate.score = log_likelihood(candidate, prior);
+    candidate.score = log_likelihood(candidate, pose_options.max_error_rad, prior);
   }
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const PoseCandidate& a, const PoseCandidate& b) { return a.score > b.score; });

@@ -29,7 +29,7 @@ struct PoseCandidate {
 };
 
 /// How far, in logarithms, the best candidate must lead: below it nothing tells the two poses of a plane apart.
-inline constexpr double kMinLead = 5.0;
+inline constexpr double kMinLead = 10.0;
 
 /// The relative pose and those that a plane would explain as well, most likely first.
 std::vector<PoseCandidate> pose_candidates(const View& query, const View& match, const std::vector<Match>& matches,
