@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <opengv/absolute_pose/CentralAbsoluteAdapter.hpp>
+#include <opengv/absolute_pose/AbsoluteAdapterBase.hpp>
 #include <opengv/absolute_pose/methods.hpp>
 
 #include "frontend/error.h"
@@ -41,6 +41,21 @@ Pose minimise(std::span<const PointRay> data, std::span<const std::size_t> indic
       world_from_camera, [&](const Pose& pose) { return linearise(data, indices, pose); }, moved, max_steps);
 }
 
+/// OpenGV's view of the data.
+class Adapter final : public opengv::absolute_pose::AbsoluteAdapterBase {
+ public:
+  explicit Adapter(std::span<const PointRay> data) : data_(data) {}
+  opengv::bearingVector_t getBearingVector(std::size_t i) const override { return data_[i].ray_in_camera; }
+  double getWeight(std::size_t) const override { return 1.0; }
+  opengv::translation_t getCamOffset(std::size_t) const override { return opengv::translation_t::Zero(); }
+  opengv::rotation_t getCamRotation(std::size_t) const override { return opengv::rotation_t::Identity(); }
+  opengv::point_t getPoint(std::size_t i) const override { return data_[i].point_in_world; }
+  std::size_t getNumberCorrespondences() const override { return data_.size(); }
+
+ private:
+  std::span<const PointRay> data_;
+};
+
 /// A pose as the loop scores it.
 struct CameraPlacement {
   Eigen::Matrix3d world_from_camera_rotation;
@@ -67,16 +82,7 @@ class AbsolutePoseProblem {
   static constexpr std::size_t kSampleSize = 3;
 
   AbsolutePoseProblem(std::span<const PointRay> data, double max_error_rad)
-      : data_(data), max_squared_error_(max_error_rad * max_error_rad), adapter_(rays_, points_) {
-    rays_.reserve(data.size());
-    points_.reserve(data.size());
-    for (const PointRay& datum : data) {
-      rays_.push_back(datum.ray_in_camera);
-      points_.push_back(datum.point_in_world);
-    }
-  }
-  AbsolutePoseProblem(const AbsolutePoseProblem&) = delete;  // the adapter refers to the members
-  AbsolutePoseProblem& operator=(const AbsolutePoseProblem&) = delete;
+      : data_(data), max_squared_error_(max_error_rad * max_error_rad), adapter_(data) {}
 
   std::size_t size() const { return data_.size(); }
 
@@ -109,9 +115,7 @@ class AbsolutePoseProblem {
  private:
   std::span<const PointRay> data_;
   double max_squared_error_;
-  opengv::bearingVectors_t rays_;
-  opengv::points_t points_;
-  opengv::absolute_pose::CentralAbsoluteAdapter adapter_;
+  Adapter adapter_;
 };
 
 /// From the inliers' variance, or as known.

@@ -3,7 +3,6 @@
 // Poses from 200 points, 0.5 px of noise, threshold 1.5 px, confidence 0.999: ours beside OpenGV's own loop over the same solver.
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
 #include <cmath>
 #include <opengv/absolute_pose/CentralAbsoluteAdapter.hpp>
 #include <opengv/sac/Ransac.hpp>
@@ -11,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "tests/bench/pose_tally.h"
 #include "tests/verification/absolute_pose_world.h"
 #include "verification/absolute_pose.h"
 
@@ -20,44 +20,13 @@ namespace {
 using testing_support::AbsolutePoseWorld;
 using testing_support::kFocalPx;
 using testing_support::make_absolute_pose_world;
+using testing_support::PoseTally;
 
 constexpr std::size_t kNumTrials = 1000;
 constexpr double kMaxErrorRad = 1.5 / kFocalPx;
 constexpr double kConfidence = 0.999;
 constexpr int kMaxIterations = 10000;
 constexpr double kMedianDepth = 8;  // of the synthetic points
-
-/// Success is a rotation within 1 degree and a position within 5 % of the depth.
-class Tally {
- public:
-  void add(const std::optional<Pose>& found, const Pose& truth, int iterations) {
-    iterations_ += iterations;
-    ++count_;
-    if (!found) return;
-    const double rotation_deg = deg_from_rad(found->rotation.angularDistance(truth.rotation));
-    const double position = (found->translation - truth.translation).norm() / kMedianDepth;
-    rotations_deg_.push_back(rotation_deg);
-    positions_.push_back(position);
-    num_right_ += rotation_deg < 1.0 && position < 0.05;
-  }
-
-  void report(benchmark::State& state) {
-    const auto median = [](std::vector<double> values) {
-      if (values.empty()) return std::nan("");
-      std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-      return values[values.size() / 2];
-    };
-    state.counters["success_percent"] = 100.0 * num_right_ / count_;
-    state.counters["trials"] = count_;
-    state.counters["median_rotation_deg"] = median(rotations_deg_);
-    state.counters["median_position_percent"] = 100.0 * median(positions_);
-    state.counters["draws"] = iterations_ / count_;
-  }
-
- private:
-  double num_right_ = 0, count_ = 0, iterations_ = 0;
-  std::vector<double> rotations_deg_, positions_;
-};
 
 std::vector<AbsolutePoseWorld> make_worlds(const benchmark::State& state) {
   std::vector<AbsolutePoseWorld> worlds;
@@ -70,7 +39,7 @@ std::vector<AbsolutePoseWorld> make_worlds(const benchmark::State& state) {
 
 void ours(benchmark::State& state) {
   const std::vector<AbsolutePoseWorld> worlds = make_worlds(state);
-  Tally tally;
+  PoseTally tally(kMedianDepth);
   std::size_t trial = 0;
   for (auto _ : state) {
     const AbsolutePoseWorld& world = worlds[trial % kNumTrials];
@@ -86,7 +55,7 @@ void ours(benchmark::State& state) {
 void opengvs(benchmark::State& state) {
   using Problem = opengv::sac_problems::absolute_pose::AbsolutePoseSacProblem;
   const std::vector<AbsolutePoseWorld> worlds = make_worlds(state);
-  Tally tally;
+  PoseTally tally(kMedianDepth);
   std::size_t trial = 0;
   for (auto _ : state) {
     const AbsolutePoseWorld& world = worlds[trial++ % kNumTrials];

@@ -7,12 +7,14 @@
 
 #include "frontend/error.h"
 #include "tests/verification/absolute_pose_world.h"
+#include "tests/verification/pose_error.h"
 #include "tests/verification/two_view_world.h"
 #include "verification/triangulation.h"
 
 namespace fabloop {
 namespace {
 
+using testing_support::absolute_error;
 using testing_support::kFocalPx;
 using testing_support::make_absolute_pose_world;
 using testing_support::make_two_views;
@@ -22,14 +24,6 @@ std::vector<PointRay> points_and_rays(const TwoViews& world) {
   std::vector<PointRay> data;
   for (std::size_t i = 0; i < world.pairs.size(); ++i) data.push_back({*world.match.points_in_camera[i], world.query.rays[i]});
   return data;
-}
-
-/// (translation in the world, rotation in the camera) from the truth to the estimate, as the information has it.
-Eigen::Matrix<double, 6, 1> error_of(const Pose& found, const Pose& truth) {
-  const Eigen::AngleAxisd rotation((truth.rotation.conjugate() * found.rotation).normalized());
-  Eigen::Matrix<double, 6, 1> error;
-  error << found.translation - truth.translation, rotation.angle() * rotation.axis();
-  return error;
 }
 
 TEST(AbsolutePose, IsExactOnNoiselessDataInAnyAttitude) {
@@ -54,7 +48,7 @@ TEST(AbsolutePose, FindsThePoseAmongSeventyPercentOutliers) {
     const auto found =
         estimate_absolute_pose(world.data, {.max_error_rad = 1.5 / kFocalPx, .max_iterations = 5000, .seed = seed});
     if (!found) continue;
-    const auto error = error_of(found->world_from_camera, world.world_from_camera);
+    const auto error = absolute_error(world.world_from_camera, found->world_from_camera);
     constexpr double kFivePercentOfTheDepth = 0.05 * 8;
     right += error.head<3>().norm() < kFivePercentOfTheDepth && error.tail<3>().norm() < rad_from_deg(1);
   }
@@ -79,7 +73,7 @@ TEST(AbsolutePose, MovesWithTheWorld) {
     const auto after = estimate_absolute_pose(world.data, {.seed = seed});
     ASSERT_TRUE(before && after);
     // Both have converged to a relative decrease of 1e-9, which is 3e-5 of a standard deviation of some centimetres.
-    EXPECT_LT(error_of(after->world_from_camera, new_from_old * before->world_from_camera).norm(), 1e-5) << "seed " << seed;
+    EXPECT_LT(absolute_error(new_from_old * before->world_from_camera, after->world_from_camera).norm(), 1e-5) << "seed " << seed;
   }
 }
 
@@ -95,7 +89,7 @@ double mean_nees(const AbsolutePoseOptions& options) {
     seeded.seed = seed;
     const auto found = estimate_absolute_pose(world.data, seeded);
     if (!found) return std::nan("");
-    const auto error = error_of(found->world_from_camera, world.world_from_camera);
+    const auto error = absolute_error(world.world_from_camera, found->world_from_camera);
     sum += error.dot(found->information * error);
   }
   return sum / kTrials;
