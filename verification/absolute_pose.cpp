@@ -4,42 +4,29 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <opengv/absolute_pose/CentralAbsoluteAdapter.hpp>
+#include <opengv/absolute_pose/AbsoluteAdapterBase.hpp>
 #include <opengv/absolute_pose/methods.hpp>
 
+#include "frontend/error.h"
 #include "verification/levenberg_marquardt.h"
+#include "verification/point_ray_residual.h"
 #include "verification/ransac.h"
+#include "verification/truncated_noise.h"
 
 namespace fabloop {
 namespace {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-/// Angles between rays and points with respect to (translation in the world, rotation in the camera), radians.
 NormalEquations<6> linearise(std::span<const PointRay> data, std::span<const std::size_t> indices,
                              const Pose& world_from_camera) {
-  const Eigen::Matrix3d camera_from_world_rotation = world_from_camera.rotation.conjugate().toRotationMatrix();
-  NormalEquations<6> normal;
+  const Eigen::Matrix3d rotation = world_from_camera.rotation.toRotationMatrix();
+  PointRaySum sum;
   for (const std::size_t i : indices) {
-    const Eigen::Vector3d x_in_camera = camera_from_world_rotation * (data[i].point_in_world - world_from_camera.translation);
-    const double distance = x_in_camera.norm();
-    const Eigen::Vector3d direction = x_in_camera / distance;
-    const Eigen::Vector3d& ray = data[i].ray_in_camera;
-    // The two components across the ray of the point's direction.
-    Eigen::Matrix<double, 2, 3> across;
-    across.row(0) = ray.unitOrthogonal().transpose();
-    across.row(1) = ray.cross(Eigen::Vector3d(across.row(0).transpose())).transpose();
-    const Eigen::Vector2d residual = across * direction;
-    const Eigen::Matrix<double, 2, 3> by_point =
-        across * (Eigen::Matrix3d::Identity() - direction * direction.transpose()) / distance;
-    Eigen::Matrix<double, 2, 6> jacobian;
-    jacobian.leftCols<3>() = -by_point * camera_from_world_rotation;
-    jacobian.rightCols<3>() = by_point * cross_matrix(x_in_camera);
-    normal.hessian += jacobian.transpose() * jacobian;
-    normal.gradient += jacobian.transpose() * residual;
-    normal.cost += residual.squaredNorm();
+    const Eigen::Vector3d x_in_camera = rotation.transpose() * (data[i].point_in_world - world_from_camera.translation);
+    sum.add(x_in_camera, Eigen::Vector3d::Zero(), data[i].ray_in_camera);
   }
-  return normal;
+  return sum.in_world(rotation);
 }
 
 Pose moved(const Pose& world_from_camera, const Vector6d& step) {
@@ -54,65 +41,106 @@ Pose minimise(std::span<const PointRay> data, std::span<const std::size_t> indic
       world_from_camera, [&](const Pose& pose) { return linearise(data, indices, pose); }, moved, max_steps);
 }
 
-class AbsolutePoseProblem {
+/// OpenGV's view of the data.
+class Adapter final : public opengv::absolute_pose::AbsoluteAdapterBase {
  public:
-  using Model = Pose;
-  static constexpr std::size_t kSampleSize = 3;
-
-  explicit AbsolutePoseProblem(std::span<const PointRay> data) : data_(data) {}
-
-  std::size_t size() const { return data_.size(); }
-
-  std::vector<Pose> solve(const std::array<std::size_t, kSampleSize>& sample) const {
-    opengv::bearingVectors_t rays;
-    opengv::points_t points;
-    for (const std::size_t i : sample) {
-      rays.push_back(data_[i].ray_in_camera);
-      points.push_back(data_[i].point_in_world);
-    }
-    opengv::absolute_pose::CentralAbsoluteAdapter adapter(rays, points);
-    std::vector<Pose> poses;
-    for (const auto& world_from_camera : opengv::absolute_pose::p3p_kneip(adapter)) {
-      if (!world_from_camera.allFinite()) continue;
-      const Eigen::Matrix3d rotation = world_from_camera.leftCols<3>();
-      poses.push_back({Eigen::Quaterniond(rotation).normalized(), world_from_camera.col(3)});
-    }
-    return poses;
-  }
-
-  /// Squared chord between the ray and the point's direction: the squared angle for small ones, and large behind the camera.
-  auto evaluator(const Pose& world_from_camera) const {
-    return [this, world_from_camera, rotation = Eigen::Matrix3d(world_from_camera.rotation.toRotationMatrix())](std::size_t i) {
-      const Eigen::Vector3d towards = data_[i].point_in_world - world_from_camera.translation;
-      return (towards.normalized() - rotation * data_[i].ray_in_camera).squaredNorm();
-    };
-  }
-
-  Pose refine(const Pose& world_from_camera, const std::vector<std::size_t>& inliers) const {
-    constexpr int kLocalSteps = 5;
-    return minimise(data_, inliers, world_from_camera, kLocalSteps);
-  }
+  explicit Adapter(std::span<const PointRay> data) : data_(data) {}
+  opengv::bearingVector_t getBearingVector(std::size_t i) const override { return data_[i].ray_in_camera; }
+  double getWeight(std::size_t) const override { return 1.0; }
+  opengv::translation_t getCamOffset(std::size_t) const override { return opengv::translation_t::Zero(); }
+  opengv::rotation_t getCamRotation(std::size_t) const override { return opengv::rotation_t::Identity(); }
+  opengv::point_t getPoint(std::size_t i) const override { return data_[i].point_in_world; }
+  std::size_t getNumberCorrespondences() const override { return data_.size(); }
 
  private:
   std::span<const PointRay> data_;
 };
 
-}  // namespace
+/// A pose as the loop scores it.
+struct CameraPlacement {
+  Eigen::Matrix3d world_from_camera_rotation;
+  Eigen::Vector3d centre_in_world;
 
-std::optional<AbsolutePose> estimate_absolute_pose(std::span<const PointRay> data, const AbsolutePoseOptions& options) {
-  const AbsolutePoseProblem problem(data);
-  const auto best = ransac(problem, {options.max_error_rad, options.confidence, options.max_iterations, options.seed});
+  Pose pose() const { return {Eigen::Quaterniond(world_from_camera_rotation).normalized(), centre_in_world}; }
+};
+
+/// The solver's roots: at most four, so the loop takes nothing from the heap.
+class Placements {
+ public:
+  void push_back(const CameraPlacement& placement) { placements_[count_++] = placement; }
+  const CameraPlacement* begin() const { return placements_.data(); }
+  const CameraPlacement* end() const { return placements_.data() + count_; }
+
+ private:
+  std::array<CameraPlacement, 4> placements_;
+  std::size_t count_ = 0;
+};
+
+class AbsolutePoseProblem {
+ public:
+  using Model = CameraPlacement;
+  static constexpr std::size_t kSampleSize = 3;
+
+  AbsolutePoseProblem(std::span<const PointRay> data, double max_error_rad)
+      : data_(data), max_squared_error_(max_error_rad * max_error_rad), adapter_(data) {}
+
+  std::size_t size() const { return data_.size(); }
+
+  auto evaluator(const CameraPlacement& placement) const {
+    return [data = data_, placement](std::size_t i) {
+      return squared_sine(data[i].point_in_world - placement.centre_in_world,
+                          placement.world_from_camera_rotation * data[i].ray_in_camera);
+    };
+  }
+
+  /// OpenGV returns the real parts of all four roots; those of complex ones do not see their own sample.
+  Placements solve(const std::array<std::size_t, kSampleSize>& sample) const {
+    Placements placements;
+    for (const auto& world_from_camera : opengv::absolute_pose::p3p_kneip(adapter_, sample[0], sample[1], sample[2])) {
+      const CameraPlacement placement{world_from_camera.leftCols<3>(), world_from_camera.col(3)};
+      const auto squared_error = evaluator(placement);
+      const bool sees_sample =
+          std::all_of(sample.begin(), sample.end(), [&](std::size_t i) { return squared_error(i) < max_squared_error_; });
+      if (sees_sample) placements.push_back(placement);
+    }
+    return placements;
+  }
+
+  CameraPlacement refine(const CameraPlacement& placement, const std::vector<std::size_t>& inliers) const {
+    constexpr int kLocalSteps = 3;
+    const Pose pose = minimise(data_, inliers, placement.pose(), kLocalSteps);
+    return {pose.rotation.toRotationMatrix(), pose.translation};
+  }
+
+ private:
+  std::span<const PointRay> data_;
+  double max_squared_error_;
+  Adapter adapter_;
+};
+
+/// From the inliers' variance, or as known.
+TruncatedNoise ray_noise(double variance_of_inliers, const AbsolutePoseOptions& options) {
+  constexpr double kMinVariance = 1e-14;
+  if (!options.noise_rad) return noise_from_inliers<2>(variance_of_inliers, options.max_error_rad, kMinVariance);
+  const double variance = *options.noise_rad * *options.noise_rad;
+  return {variance, kept_variance_share<2>(variance, options.max_error_rad)};
+}
+
+/// The pose on its inliers, minimised until they stay the same; none when too few are left.
+std::optional<AbsolutePose> finish(const AbsolutePoseProblem& problem, std::span<const PointRay> data,
+                                   const RansacResult<CameraPlacement>& best, const AbsolutePoseOptions& options) {
   constexpr std::size_t kMinInliers = 5;
   constexpr int kRounds = 3;
   constexpr int kSteps = 20;
-  if (!best || best->inliers.size() < kMinInliers) return std::nullopt;
+  if (best.inliers.size() < kMinInliers) return std::nullopt;
   AbsolutePose result;
-  result.world_from_camera = best->model;
-  result.inliers = best->inliers;
-  result.iterations = best->iterations;
+  result.world_from_camera = best.model.pose();
+  result.inliers = best.inliers;
+  result.iterations = best.iterations;
   for (int round = 0; round < kRounds; ++round) {
     result.world_from_camera = minimise(data, result.inliers, result.world_from_camera, kSteps);
-    auto next = inliers_of(problem, result.world_from_camera, options.max_error_rad);
+    const CameraPlacement placement{result.world_from_camera.rotation.toRotationMatrix(), result.world_from_camera.translation};
+    auto next = inliers_of(problem, placement, options.max_error_rad);
     if (next.size() < kMinInliers) return std::nullopt;
     const bool settled = next == result.inliers;
     result.inliers = std::move(next);
@@ -120,9 +148,19 @@ std::optional<AbsolutePose> estimate_absolute_pose(std::span<const PointRay> dat
   }
   const NormalEquations<6> normal = linearise(data, result.inliers, result.world_from_camera);
   const double num_residuals = 2.0 * static_cast<double>(result.inliers.size());
-  result.information = normal.hessian / std::max(normal.cost / (num_residuals - 6.0), 1e-14);
+  result.information = ray_noise(normal.cost / (num_residuals - 6.0), options).information_scale() * normal.hessian;
   result.rms_error_rad = std::sqrt(normal.cost / num_residuals);
   return result;
+}
+
+}  // namespace
+
+std::optional<AbsolutePose> estimate_absolute_pose(std::span<const PointRay> data, const AbsolutePoseOptions& options) {
+  if (!(options.max_error_rad > 0)) throw InputError("absolute pose: max_error_rad must be positive");
+  const AbsolutePoseProblem problem(data, options.max_error_rad);
+  const auto best = ransac(problem, {options.max_error_rad, options.confidence, options.max_iterations, options.seed});
+  if (!best) return std::nullopt;
+  return finish(problem, data, *best, options);
 }
 
 }  // namespace fabloop

@@ -3,12 +3,20 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "frontend/error.h"
+#include "tests/verification/absolute_pose_world.h"
+#include "tests/verification/pose_error.h"
 #include "tests/verification/two_view_world.h"
 #include "verification/triangulation.h"
 
 namespace fabloop {
 namespace {
 
+using testing_support::absolute_error;
+using testing_support::kFocalPx;
+using testing_support::make_absolute_pose_world;
 using testing_support::make_two_views;
 using testing_support::TwoViews;
 
@@ -18,7 +26,90 @@ std::vector<PointRay> points_and_rays(const TwoViews& world) {
   return data;
 }
 
-TEST(AbsolutePose, IsExactOnNoiselessData) {
+TEST(AbsolutePose, IsExactOnNoiselessDataInAnyAttitude) {
+  // Rounding of 20 m over a pose known from 30 rays, by a minimiser that stops at a relative decrease of 1e-9.
+  constexpr double kExactM = 1e-6;
+  constexpr double kExactRad = 1e-7;
+  for (std::uint64_t seed = 1; seed <= 1000; ++seed) {
+    const auto world = make_absolute_pose_world({.num_data = 30, .planar = seed % 4 == 0, .seed = seed});
+    const auto found = estimate_absolute_pose(world.data, {.seed = seed});
+    ASSERT_TRUE(found.has_value()) << "seed " << seed;
+    EXPECT_LT((found->world_from_camera.translation - world.world_from_camera.translation).norm(), kExactM) << "seed " << seed;
+    EXPECT_LT(found->world_from_camera.rotation.angularDistance(world.world_from_camera.rotation), kExactRad) << "seed " << seed;
+    EXPECT_EQ(found->inliers.size(), world.data.size()) << "seed " << seed;
+  }
+}
+
+TEST(AbsolutePose, FindsThePoseAmongSeventyPercentOutliers) {
+  int right = 0;
+  constexpr int kTrials = 100;
+  for (std::uint64_t seed = 1; seed <= kTrials; ++seed) {
+    const auto world = make_absolute_pose_world({.outlier_ratio = 0.7, .noise_px = 0.5, .seed = seed});
+    const auto found =
+        estimate_absolute_pose(world.data, {.max_error_rad = 1.5 / kFocalPx, .max_iterations = 5000, .seed = seed});
+    if (!found) continue;
+    const auto error = absolute_error(world.world_from_camera, found->world_from_camera);
+    constexpr double kFivePercentOfTheDepth = 0.05 * 8;
+    right += error.head<3>().norm() < kFivePercentOfTheDepth && error.tail<3>().norm() < rad_from_deg(1);
+  }
+  EXPECT_EQ(right, kTrials);
+}
+
+TEST(AbsolutePose, IsTheSameInEveryRun) {
+  const auto world = make_absolute_pose_world({.outlier_ratio = 0.5, .noise_px = 0.5});
+  const auto once = estimate_absolute_pose(world.data, {.seed = 7});
+  const auto again = estimate_absolute_pose(world.data, {.seed = 7});
+  ASSERT_TRUE(once && again);
+  EXPECT_EQ(once->world_from_camera.translation, again->world_from_camera.translation);
+  EXPECT_EQ(once->inliers, again->inliers);
+}
+
+TEST(AbsolutePose, MovesWithTheWorld) {
+  const Pose new_from_old{rotation_from_vector({0.3, -1.2, 0.7}), {5, -3, 11}};
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    auto world = make_absolute_pose_world({.outlier_ratio = 0.2, .noise_px = 0.5, .seed = seed});
+    const auto before = estimate_absolute_pose(world.data, {.seed = seed});
+    for (PointRay& datum : world.data) datum.point_in_world = new_from_old * datum.point_in_world;
+    const auto after = estimate_absolute_pose(world.data, {.seed = seed});
+    ASSERT_TRUE(before && after);
+    // Both have converged to a relative decrease of 1e-9, which is 3e-5 of a standard deviation of some centimetres.
+    EXPECT_LT(absolute_error(new_from_old * before->world_from_camera, after->world_from_camera).norm(), 1e-5) << "seed " << seed;
+  }
+}
+
+constexpr double kNoiseRad = 0.5 / kFocalPx;
+
+/// Mean over 1000 problems of e^T I e for the error e: 6 when the information I is that of the error.
+double mean_nees(const AbsolutePoseOptions& options) {
+  constexpr int kTrials = 1000;
+  double sum = 0;
+  for (std::uint64_t seed = 1; seed <= kTrials; ++seed) {
+    const auto world = make_absolute_pose_world({.num_data = 60, .noise_rad = kNoiseRad, .seed = seed});
+    AbsolutePoseOptions seeded = options;
+    seeded.seed = seed;
+    const auto found = estimate_absolute_pose(world.data, seeded);
+    if (!found) return std::nan("");
+    const auto error = absolute_error(world.world_from_camera, found->world_from_camera);
+    sum += error.dot(found->information * error);
+  }
+  return sum / kTrials;
+}
+
+// The sum of 1000 chi-squares of 6 degrees has the standard deviation sqrt(2 * 6 * 1000); 3.3 of them leave one in 1000.
+const double kNeesMargin = 3.3 * std::sqrt(12.0 / 1000.0);
+
+TEST(AbsolutePose, ErrorsAreWithinChiSquareBoundsWhenTheNoiseIsKnown) {
+  const double nees = mean_nees({.max_error_rad = 5 * kNoiseRad, .noise_rad = kNoiseRad});
+  EXPECT_NEAR(nees, 6, kNeesMargin);
+}
+
+TEST(AbsolutePose, ErrorsAreWithinChiSquareBoundsWhenTheNoiseComesFromTheInliers) {
+  // 114 degrees of freedom for the variance: the ratio's mean is 6 * 114 / 112. The threshold cuts 4 % of the noise off.
+  const double nees = mean_nees({.max_error_rad = 2.5 * kNoiseRad});
+  EXPECT_NEAR(nees, 6 * 114.0 / 112.0, kNeesMargin);
+}
+
+TEST(AbsolutePose, IsExactOnTwoViews) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const TwoViews world = make_two_views({.with_points = true, .seed = seed});
     const auto found = estimate_absolute_pose(points_and_rays(world), {.seed = seed});
@@ -54,6 +145,11 @@ TEST(AbsolutePose, InformationPredictsTheScatter) {
 }
 
 TEST(AbsolutePose, TooFewPointsHaveNoPose) { EXPECT_FALSE(estimate_absolute_pose({}).has_value()); }
+
+TEST(AbsolutePose, RefusesAThresholdThatIsNone) {
+  EXPECT_THROW(estimate_absolute_pose({}, {.max_error_rad = 0}), InputError);
+  EXPECT_THROW(estimate_absolute_pose({}, {.max_error_rad = std::nan("")}), InputError);
+}
 
 TEST(Triangulation, FindsThePointBothRaysSee) {
   const TwoViews world = make_two_views({.with_points = true, .seed = 4});
