@@ -103,7 +103,15 @@ void add_survey_command(CLI::App& program, const CommonOptions& common) {
       ->required();
   command->add_option("--height", arguments->heights_m, "metres above ground, one a sequence: 10 % more is a false pose");
   command->add_option("--pairs", arguments->pairs_csv, "CSV file to write every pair and its figures to");
-  command->add_option("--seed", arguments->options.verifier.seed, "another number: other samples")->capture_default_str();
+  VerifierOptions& verifier = arguments->options.verifier;
+  command->add_option("--min-inliers", verifier.min_inliers, "least inliers of a pair")->capture_default_str();
+  command->add_option("--max-error-px", verifier.max_error_px, "largest epipolar error of an inlier")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--max-iterations", verifier.max_iterations, "samples that RANSAC may draw: time spent on false pairs")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--seed", verifier.seed, "another number: other samples")->capture_default_str();
   add_feature_arguments(command, arguments->features, "");
   command->callback([arguments, &common] { run_survey(*arguments, common); });
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tests/verification/two_view_world.h"
 
+#include <algorithm>
 #include <random>
 
 namespace fabloop::testing_support {
@@ -35,6 +36,21 @@ cv::Mat1f random_descriptors(Random& random, int count) {
   return descriptors;
 }
 
+/// Best score first; as they came without scores.
+std::vector<std::size_t> order(const std::vector<bool>& is_outlier, bool scored, std::uint64_t seed) {
+  constexpr double kGap = 2;
+  Random random(seed ^ 0x5c03ed);
+  std::normal_distribution<double> normal;
+  std::vector<double> scores;
+  std::vector<std::size_t> indices;
+  for (std::size_t i = 0; i < is_outlier.size(); ++i) {
+    scores.push_back(scored ? normal(random) + (is_outlier[i] ? kGap : 0.0) : 0.0);
+    indices.push_back(i);
+  }
+  std::stable_sort(indices.begin(), indices.end(), [&](std::size_t a, std::size_t b) { return scores[a] < scores[b]; });
+  return indices;
+}
+
 }  // namespace
 
 Camera test_camera() { return {640, 480, 500, 500, 319.5, 239.5, DistortionModel::Radtan, {}}; }
@@ -49,14 +65,15 @@ TwoViews make_two_views(const TwoViewOptions& options) {
   const Pose query_from_match = world.match_from_query.inverse();
   Features query, match;
   std::vector<std::optional<Eigen::Vector3d>> points;
+  std::vector<bool> is_outlier;
   while (static_cast<int>(points.size()) < options.num_points) {
     const Eigen::Vector3d x_in_match = random_point(random, options.planar);
     const Eigen::Vector3d x_in_query = query_from_match * x_in_match;
     if (x_in_query.z() < 1) continue;
     query.keypoints.push_back(keypoint(noisy_pixel(random, camera, x_in_query, options.noise_px)));
     match.keypoints.push_back(keypoint(noisy_pixel(random, camera, x_in_match, options.noise_px)));
-    const bool is_outlier = uniform(random, 0, 1) < options.outlier_ratio;
-    if (is_outlier) query.keypoints.back() = keypoint({uniform(random, 0, 639), uniform(random, 0, 479)});
+    is_outlier.push_back(uniform(random, 0, 1) < options.outlier_ratio);
+    if (is_outlier.back()) query.keypoints.back() = keypoint({uniform(random, 0, 639), uniform(random, 0, 479)});
     points.emplace_back((1 + options.depth_noise * uniform(random, -1, 1)) * x_in_match);
   }
   query.descriptors = random_descriptors(random, options.num_points);
@@ -64,7 +81,9 @@ TwoViews make_two_views(const TwoViewOptions& options) {
   world.query = make_view(20, camera, query);
   world.match = make_view(3, camera, match);
   if (options.with_points) world.match.points_in_camera = points;
-  for (std::size_t i = 0; i < points.size(); ++i) world.pairs.push_back({world.query.rays[i], world.match.rays[i]});
+  for (const std::size_t i : order(is_outlier, options.scored, options.seed)) {
+    world.pairs.push_back({world.query.rays[i], world.match.rays[i]});
+  }
   return world;
 }
 

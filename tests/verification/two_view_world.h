@@ -17,6 +17,9 @@ struct TwoViewOptions {
   double baseline = 2.0;        ///< Metres; the points are 8 to 14 m away.
   bool with_points = false;     ///< The match knows the depth of its points.
   double depth_noise = 0;       ///< Relative, of those points.
+  /// The pairs are sorted by a score that is better for true ones on average: two normal distributions, as far apart as two of
+  /// their standard deviations, which is what ratio tests on real images give.
+  bool scored = false;
   std::uint64_t seed = 1;
 };
 
