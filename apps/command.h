@@ -18,6 +18,7 @@ void add_features_command(CLI::App& program, const CommonOptions& common);
 void add_train_command(CLI::App& program, const CommonOptions& common);
 void add_recognize_command(CLI::App& program, const CommonOptions& common);
 void add_convert_command(CLI::App& program, const CommonOptions& common);
+void add_verify_command(CLI::App& program);
 void add_map_command(CLI::App& program, const CommonOptions& common);
 void add_optimize_command(CLI::App& program, const CommonOptions& common);
 void add_survey_command(CLI::App& program, const CommonOptions& common);

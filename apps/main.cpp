@@ -32,6 +32,7 @@ int main(int argc, char** argv) {
   add_train_command(program, common);
   add_recognize_command(program, common);
   add_convert_command(program, common);
+  add_verify_command(program);
   add_map_command(program, common);
   add_optimize_command(program, common);
   add_survey_command(program, common);

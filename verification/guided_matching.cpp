@@ -30,6 +30,11 @@ std::vector<NearestFeature> mutually_nearest_in_bands(const View& query, const V
     candidates.clear();
     distances.clear();
     pencil.candidates(query.rays[q], candidates);
+    if (options.change) {
+      std::erase_if(candidates, [&](int m) {
+        return !agrees_with(*options.change, query.features, match.features, {static_cast<int>(q), m}, options.consistency);
+      });
+    }
     for (const int m : candidates) {
       distances.push_back(squared_distance_between(query.features, static_cast<int>(q), match.features, m));
       float& least = to_nearest_query[static_cast<std::size_t>(m)];

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "frontend/geometry/pose.h"
+#include "verification/match_consistency.h"
 #include "verification/matching.h"
 #include "verification/view.h"
 
@@ -18,7 +20,12 @@ struct GuidedMatchingOptions {
   double same_spot_px = 2.0;
   /// Largest distance of descriptors, as a share of what two unrelated features typically are apart: a band may hold nothing
   /// that looks alike, and no second for the ratio test. Raise it for large changes of light or viewpoint.
-  double max_relative_distance = 0.7;
+  double max_relative_distance = 0.6;
+  /// How the image turned and grew, as view_change() finds among the inliers of the first model: only features that agree are
+  /// candidates, which keeps out most accidents at the price of one true match in fifty. None admits all.
+  std::optional<ViewChange> change{};
+  /// How far candidates may be off it.
+  MatchConsistencyOptions consistency{};
 };
 
 /// Matches along a known epipolar geometry: features are compared only with those in their epipolar band and in front of both

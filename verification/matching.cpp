@@ -12,7 +12,9 @@ namespace fabloop {
 std::vector<Match> match_features(const Features& query, const Features& match, const MatchingOptions& options) {
   assert(query.descriptor_kind == match.descriptor_kind);
   if (query.keypoints.empty() || match.keypoints.empty()) return {};
-  const std::vector<NearestFeature> nearest = mutually_nearest(query, match, options.same_spot_px);
+  const bool is_exact = options.search == MatchSearch::Exact || query.descriptors.type() != CV_32F;
+  const std::vector<NearestFeature> nearest =
+      is_exact ? mutually_nearest(query, match, options.same_spot_px) : approximately_mutually_nearest(query, match, options);
   std::vector<Match> matches;
   for (std::size_t q = 0; q < nearest.size(); ++q) {
     const NearestFeature& found = nearest[q];

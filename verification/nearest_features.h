@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "frontend/features/features.h"
+#include "verification/matching.h"
 
 namespace fabloop {
 
@@ -21,6 +22,11 @@ struct NearestFeature {
 /// query feature is nearer to it (of several equally near, the first has it). Exact, and exhaustive; only a few rows of the
 /// table of all distances exist at a time. Neither side is empty.
 std::vector<NearestFeature> mutually_nearest(const Features& query, const Features& match, double same_spot_px);
+
+/// The same of floats, by a search that may miss the nearest or the second. Only what passes the ratio test is held against
+/// the other direction.
+std::vector<NearestFeature> approximately_mutually_nearest(const Features& query, const Features& match,
+                                                           const MatchingOptions& options);
 
 /// The nearest of some features of the match (the lower of several equally near), by their squared distances, and the second
 /// at another spot. Index -1 for no candidates.

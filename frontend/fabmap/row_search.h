@@ -15,8 +15,10 @@ namespace fabloop {
 
 /// For each of N points, which row is nearest and how far it is.
 struct NearestRows {
-  std::vector<std::uint32_t> row;       ///< N. The lower of rows equally far.
-  std::vector<float> squared_distance;  ///< N, squared Euclidean, summed in single precision.
+  std::vector<std::uint32_t> row;                ///< N. The lower of rows equally far.
+  std::vector<float> squared_distance;           ///< N, squared Euclidean, summed in single precision.
+  std::vector<std::uint32_t> second_row{};       ///< N of near_two(), else empty. Meaningless where the distance is infinite.
+  std::vector<float> second_squared_distance{};  ///< N of near_two(), else empty. Infinite where only one row was seen.
 };
 
 /// What a RowSearch is prepared for.
@@ -41,9 +43,13 @@ class RowSearch {
   /// projection could use, it is exhaustive. Depends on neither threads nor the other points.
   NearestRows near(const cv::Mat& points, int num_threads, std::span<const std::uint32_t> guesses = {}) const;
 
+  /// The same with the second nearest.
+  NearestRows near_two(const cv::Mat& points, int num_threads) const;
+
  private:
   static constexpr std::uint32_t kNoRow = std::numeric_limits<std::uint32_t>::max();
   struct Batch;
+  enum class Keep { Nearest, TwoNearest };
   struct Cell {
     std::size_t begin = 0, end = 0;  ///< Panels.
   };
@@ -64,7 +70,8 @@ class RowSearch {
   void scan_all(Batch& batch) const;
   void consider(Batch& batch, std::size_t point, std::uint32_t row) const;
   template <typename Search>
-  NearestRows in_batches(const cv::Mat& points, int num_threads, const Search& search) const;
+  NearestRows in_batches(const cv::Mat& points, int num_threads, Keep keep, const Search& search) const;
+  void search_near(Batch& batch, const cv::Mat& points, std::span<const std::uint32_t> guesses) const;
 
   cv::Mat rows_;
   std::optional<RowProjection> projection_;

@@ -31,17 +31,20 @@ double rounding_margin(std::size_t dimension, std::size_t num_coordinates, doubl
 /// Points on their way to their nearest rows.
 struct RowSearch::Batch {
   cv::Mat points;
-  std::vector<float> coordinates;            ///< N x num_coordinates_.
-  std::vector<double> offsets;               ///< What a row's product must stay below, less the best squared distance.
-  std::vector<float> limits;                 ///< What a row's product must stay below.
-  std::vector<float> squared_distances;      ///< Of the best row so far.
-  std::vector<std::uint32_t> rows;           ///< The best so far.
-  std::vector<std::uint32_t> nearest_cells;  ///< N.
-  std::vector<std::uint32_t> other_cells;    ///< About an eighth of all for each point, the next nearest.
-  std::vector<std::size_t> other_starts;     ///< Of each point in other_cells, and the end of the last.
-  std::vector<float> block_coordinates;      ///< Of scan().
-  std::vector<float> block_limits;           ///< Of scan().
-  std::vector<PanelHit> hits;                ///< Of scan().
+  std::vector<float> coordinates;        ///< N x num_coordinates_.
+  std::vector<double> offsets;           ///< What a row's product must stay below, less the best squared distance.
+  std::vector<float> limits;             ///< What a row's product must stay below.
+  std::vector<float> squared_distances;  ///< Of the best row so far.
+  std::vector<std::uint32_t> rows;       ///< The best so far.
+  Keep keep = Keep::Nearest;
+  std::vector<float> second_squared_distances;  ///< Of the second best so far.
+  std::vector<std::uint32_t> second_rows;       ///< The second best so far.
+  std::vector<std::uint32_t> nearest_cells;     ///< N.
+  std::vector<std::uint32_t> other_cells;       ///< About an eighth of all for each point, the next nearest.
+  std::vector<std::size_t> other_starts;        ///< Of each point in other_cells, and the end of the last.
+  std::vector<float> block_coordinates;         ///< Of scan().
+  std::vector<float> block_limits;              ///< Of scan().
+  std::vector<PanelHit> hits;                   ///< Of scan().
 
   std::size_t size() const { return rows.size(); }
 };
@@ -54,6 +57,8 @@ void RowSearch::start(Batch& batch, const cv::Mat& points, std::span<const std::
   batch.limits.resize(size);
   batch.squared_distances.assign(size, std::numeric_limits<float>::infinity());
   batch.rows.assign(size, kNoRow);
+  batch.second_squared_distances.assign(size, std::numeric_limits<float>::infinity());
+  batch.second_rows.assign(size, kNoRow);
   for (std::size_t i = 0; i < size; ++i) {
     const auto* point = points.ptr<float>(static_cast<int>(i));
     const std::span<float> coordinates(batch.coordinates.data() + i * num_coordinates_, num_coordinates_);
@@ -71,17 +76,26 @@ void RowSearch::start(Batch& batch, const cv::Mat& points, std::span<const std::
   }
 }
 
-/// Takes the row if it is nearer than the best so far, or as near and lower.
+/// Takes the row if it is nearer than the best so far, or as near and lower; or as the second best, where that is kept.
 void RowSearch::consider(Batch& batch, std::size_t point, std::uint32_t row) const {
-  if (row == kNoRow || row == batch.rows[point]) return;
+  if (row == kNoRow || row == batch.rows[point] || row == batch.second_rows[point]) return;
   const float distance = squared_distance(batch.points.ptr<float>(static_cast<int>(point)),
                                           rows_.ptr<float>(static_cast<int>(row)), static_cast<std::size_t>(rows_.cols));
   const float best = batch.squared_distances[point];
   const bool is_first = batch.rows[point] == kNoRow;
-  if (!is_first && !(distance < best) && !(distance == best && row < batch.rows[point])) return;
-  batch.squared_distances[point] = distance;
-  batch.rows[point] = row;
-  const auto limit = static_cast<float>(batch.offsets[point] + static_cast<double>(distance));
+  const bool is_best = is_first || distance < best || (distance == best && row < batch.rows[point]);
+  const bool is_second = !is_best && batch.keep == Keep::TwoNearest && distance < batch.second_squared_distances[point];
+  if (!is_best && !is_second) return;
+  if (batch.keep == Keep::TwoNearest) {
+    batch.second_squared_distances[point] = is_best ? best : distance;
+    batch.second_rows[point] = is_best ? batch.rows[point] : row;
+  }
+  if (is_best) {
+    batch.squared_distances[point] = distance;
+    batch.rows[point] = row;
+  }
+  const float worst_kept = batch.keep == Keep::TwoNearest ? batch.second_squared_distances[point] : distance;
+  const auto limit = static_cast<float>(batch.offsets[point] + static_cast<double>(worst_kept));
   batch.limits[point] = std::isfinite(limit) ? limit : kMaxFloat;
 }
 
@@ -231,24 +245,31 @@ void RowSearch::visit_nearest_cells(Batch& batch) const {
 }
 
 template <typename Search>
-NearestRows RowSearch::in_batches(const cv::Mat& points, int num_threads, const Search& search) const {
+NearestRows RowSearch::in_batches(const cv::Mat& points, int num_threads, Keep keep, const Search& search) const {
   assert(points.rows == 0 || (points.cols == rows_.cols && points.type() == CV_32FC1 && points.isContinuous()));
   const auto size = static_cast<std::size_t>(points.rows);
-  NearestRows result{std::vector<std::uint32_t>(size), std::vector<float>(size)};
+  const std::size_t num_seconds = keep == Keep::TwoNearest ? size : 0;
+  NearestRows result{std::vector<std::uint32_t>(size), std::vector<float>(size), std::vector<std::uint32_t>(num_seconds),
+                     std::vector<float>(num_seconds)};
   parallel_for((size + kBatchSize - 1) / kBatchSize, num_threads, [&](std::size_t index) {
     const std::size_t begin = index * kBatchSize;
     const std::size_t end = std::min(begin + kBatchSize, size);
     Batch batch;
+    batch.keep = keep;
     search(batch, points.rowRange(static_cast<int>(begin), static_cast<int>(end)), begin);
-    std::copy(batch.rows.begin(), batch.rows.end(), result.row.begin() + static_cast<std::ptrdiff_t>(begin));
-    std::copy(batch.squared_distances.begin(), batch.squared_distances.end(),
-              result.squared_distance.begin() + static_cast<std::ptrdiff_t>(begin));
+    const auto place = static_cast<std::ptrdiff_t>(begin);
+    std::copy(batch.rows.begin(), batch.rows.end(), result.row.begin() + place);
+    std::copy(batch.squared_distances.begin(), batch.squared_distances.end(), result.squared_distance.begin() + place);
+    if (keep == Keep::Nearest) return;
+    std::copy(batch.second_rows.begin(), batch.second_rows.end(), result.second_row.begin() + place);
+    std::copy(batch.second_squared_distances.begin(), batch.second_squared_distances.end(),
+              result.second_squared_distance.begin() + place);
   });
   return result;
 }
 
 NearestRows RowSearch::nearest(const cv::Mat& points, int num_threads, std::span<const std::uint32_t> guesses) const {
-  return in_batches(points, num_threads, [&](Batch& batch, const cv::Mat& some, std::size_t begin) {
+  return in_batches(points, num_threads, Keep::Nearest, [&](Batch& batch, const cv::Mat& some, std::size_t begin) {
     start(batch, some, guesses.empty() ? guesses : guesses.subspan(begin, static_cast<std::size_t>(some.rows)));
     if (guesses.empty() && !cells_.empty()) {
       rank_cells(batch);
@@ -266,15 +287,24 @@ void RowSearch::expect_remainders_to_differ(Batch& batch) const {
   for (std::size_t i = 0; i < batch.size(); ++i) batch.coordinates[(i + 1) * num_coordinates_ - 2] *= kMaxCosine;
 }
 
+void RowSearch::search_near(Batch& batch, const cv::Mat& points, std::span<const std::uint32_t> guesses) const {
+  start(batch, points, guesses);
+  if (cells_.empty()) return scan_all(batch);
+  expect_remainders_to_differ(batch);
+  rank_cells(batch);
+  visit_nearest_cells(batch);
+  visit_other_cells(batch);
+}
+
 NearestRows RowSearch::near(const cv::Mat& points, int num_threads, std::span<const std::uint32_t> guesses) const {
-  if (cells_.empty()) return nearest(points, num_threads, guesses);
-  return in_batches(points, num_threads, [&](Batch& batch, const cv::Mat& some, std::size_t begin) {
-    start(batch, some, guesses.empty() ? guesses : guesses.subspan(begin, static_cast<std::size_t>(some.rows)));
-    expect_remainders_to_differ(batch);
-    rank_cells(batch);
-    visit_nearest_cells(batch);
-    visit_other_cells(batch);
+  return in_batches(points, num_threads, Keep::Nearest, [&](Batch& batch, const cv::Mat& some, std::size_t begin) {
+    search_near(batch, some, guesses.empty() ? guesses : guesses.subspan(begin, static_cast<std::size_t>(some.rows)));
   });
+}
+
+NearestRows RowSearch::near_two(const cv::Mat& points, int num_threads) const {
+  return in_batches(points, num_threads, Keep::TwoNearest,
+                    [&](Batch& batch, const cv::Mat& some, std::size_t) { search_near(batch, some, {}); });
 }
 
 }  // namespace fabloop

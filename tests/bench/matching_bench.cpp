@@ -59,6 +59,15 @@ FeaturePair real_pair(benchmark::State& state, DetectorKind detector, Descriptor
   return pair;
 }
 
+void match_approximately(benchmark::State& state, DetectorKind detector, DescriptorKind descriptor) {
+  const FeaturePair pair = real_pair(state, detector, descriptor, static_cast<int>(state.range(0)));
+  std::vector<Match> matches;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(matches = match_features(pair.query, pair.match, {.search = MatchSearch::Approximate}));
+  }
+  state.counters["matches"] = static_cast<double>(matches.size());
+}
+
 void match_ours(benchmark::State& state, DetectorKind detector, DescriptorKind descriptor) {
   const FeaturePair pair = real_pair(state, detector, descriptor, static_cast<int>(state.range(0)));
   std::vector<Match> matches;
@@ -92,6 +101,7 @@ void match_opencv(benchmark::State& state, DetectorKind detector, DescriptorKind
       ->Arg(4000)                                                                       \
       ->Unit(benchmark::kMillisecond)
 FABLOOP_MATCHING_BENCH(match_ours, sift, Sift, Sift);
+FABLOOP_MATCHING_BENCH(match_approximately, sift, Sift, Sift);
 FABLOOP_MATCHING_BENCH(match_opencv, sift, Sift, Sift);
 FABLOOP_MATCHING_BENCH(match_ours, orb, Orb, Orb);
 FABLOOP_MATCHING_BENCH(match_opencv, orb, Orb, Orb);

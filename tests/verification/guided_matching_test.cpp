@@ -127,6 +127,23 @@ TEST(GuidedMatching, TakesNothingThatLooksUnlike) {
   EXPECT_LT(guided_matches(world.query, world.match, world.match_from_query).size(), 6u);
 }
 
+TEST(GuidedMatching, KeepsToTheChangeOfViewWhereItIsGiven) {
+  TwoViews world = make_two_views({.num_points = 200});
+  for (std::size_t i = 0; i < 200; ++i) {
+    world.query.features.keypoints[i].angle = 30;
+    world.match.features.keypoints[i].angle = i < 120 ? 210.0F : 100.0F;
+  }
+  const auto all = guided_matches(world.query, world.match, world.match_from_query, {.same_spot_px = 0});
+  EXPECT_EQ(all.size(), 200u);
+  const ViewChange change = view_change(world.query.features, world.match.features, all);
+  ASSERT_TRUE(change.turn_deg);
+  EXPECT_NEAR(change.turn_deg->value, 180, 1e-3);
+  const auto turned =
+      guided_matches(world.query, world.match, world.match_from_query, {.same_spot_px = 0, .change = change, .consistency = {}});
+  EXPECT_EQ(turned.size(), 120u);
+  for (const Match& match : turned) EXPECT_LT(match.query, 120);
+}
+
 TEST(GuidedMatching, ComparesBits) {
   TwoViews world = make_two_views({.num_points = 200});
   cv::Mat1b bits(200, 32);

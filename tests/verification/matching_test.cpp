@@ -79,6 +79,10 @@ void expect_same_bytes(const std::vector<Match>& found, const std::vector<Match>
   }
 }
 
+struct TwoFeatures {
+  Features query, match;
+};
+
 /// Features on whole pixels of a small image, several a spot, of few different descriptors: rich in ties.
 Features crowded_features(std::mt19937& random, int count, int num_columns, bool of_bits) {
   Features features;
@@ -186,6 +190,55 @@ TEST(Matching, ComparesBitsByHammingDistance) {
   ASSERT_EQ(matches.size(), 1u);
   EXPECT_EQ(matches[0].match, 1);
   EXPECT_FLOAT_EQ(matches[0].ratio, 1.0F / 16.0F);
+}
+
+/// Descriptors that vary in a few directions most, as real ones do; the query's first are those of the match with noise.
+TwoFeatures features_with_structure(int count, int num_true) {
+  constexpr int kDirections = 12, kDimension = 128;
+  cv::RNG random(5);
+  cv::Mat1f directions(kDirections, kDimension), along(count, kDirections), rest(count, kDimension), noise(num_true, kDimension);
+  random.fill(directions, cv::RNG::NORMAL, 0.0, 1.0);
+  TwoFeatures pair;
+  for (Features* features : {&pair.query, &pair.match}) {
+    random.fill(along, cv::RNG::NORMAL, 0.0, 1.0);
+    random.fill(rest, cv::RNG::NORMAL, 0.0, 0.5);
+    features->descriptors = along * directions + rest;
+    for (int i = 0; i < count; ++i) {
+      features->keypoints.emplace_back(random.uniform(0.0F, 1000.0F), random.uniform(0.0F, 1000.0F), 3.0F);
+    }
+  }
+  random.fill(noise, cv::RNG::NORMAL, 0.0, 0.4);
+  cv::Mat(pair.match.descriptors.rowRange(0, num_true) + noise).copyTo(pair.query.descriptors.rowRange(0, num_true));
+  return pair;
+}
+
+TEST(Matching, ApproximatelyFindsWhatItFindsExactly) {
+  const TwoFeatures pair = features_with_structure(1500, 700);
+  const auto exact = match_features(pair.query, pair.match);
+  const auto approximate = match_features(pair.query, pair.match, {.search = MatchSearch::Approximate});
+  ASSERT_GT(exact.size(), 500u);
+  const auto num_same = std::count_if(exact.begin(), exact.end(), [&](const Match& match) {
+    return std::any_of(approximate.begin(), approximate.end(),
+                       [&](const Match& other) { return other.query == match.query && other.match == match.match; });
+  });
+  EXPECT_GE(static_cast<double>(num_same), 0.95 * static_cast<double>(exact.size()));
+  EXPECT_LE(static_cast<double>(approximate.size()), 1.05 * static_cast<double>(exact.size()));
+}
+
+TEST(Matching, ApproximatelyKeepsToTheRules) {
+  Features query, match;
+  query.keypoints = {{10, 10, 3}, {10, 10, 3}};
+  query.descriptors = (cv::Mat1f(2, 2) << 1.0F, 0.0F, 0.9F, 0.1F);
+  match.keypoints = {{50, 50, 3}, {51, 50, 3}, {300, 300, 3}};
+  match.descriptors = (cv::Mat1f(3, 2) << 1.0F, 0.1F, 1.0F, 0.2F, 5.0F, 0.0F);
+  const MatchingOptions options{.search = MatchSearch::Approximate};
+  const auto found = match_features(query, match, options), exact = match_features(query, match);
+  ASSERT_EQ(found.size(), 1u) << "the second best shows the same spot";
+  ASSERT_EQ(exact.size(), 1u);
+  EXPECT_EQ(found[0].query, exact[0].query);
+  EXPECT_EQ(found[0].match, exact[0].match);
+  EXPECT_NEAR(found[0].ratio, exact[0].ratio, 1e-4);  // from differences here, from norms and products there
+  EXPECT_TRUE(match_features({}, {}, options).empty());
 }
 
 TEST(Matching, NothingMatchesNothing) { EXPECT_TRUE(match_features({}, {}).empty()); }

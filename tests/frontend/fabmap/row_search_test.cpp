@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -105,6 +106,38 @@ TEST(RowSearch, FindsNearlyAllByCells) {
   EXPECT_EQ(near.row, search.near(points, 3).row);
   const NearestRows alone = search.near(points.rowRange(700, 701), 1);
   EXPECT_EQ(alone.row[0], near.row[700]);
+}
+
+TEST(RowSearch, FindsNearlyAllSeconds) {
+  const cv::Mat rows = rows_with_structure(3000, 64, 14), points = rows_with_structure(1000, 64, 15);
+  const RowSearch search(rows, RowSearchKind::ManyTimes);
+  const NearestRows two = search.near_two(points, 1), near = search.near(points, 1);
+  EXPECT_TRUE(near.second_row.empty());
+  int num_same = 0;
+  for (int i = 0; i < points.rows; ++i) {
+    const auto place = static_cast<std::size_t>(i);
+    std::vector<float> distances;
+    for (int row = 0; row < rows.rows; ++row) {
+      distances.push_back(squared_distance(points.ptr<float>(i), rows.ptr<float>(row), static_cast<std::size_t>(rows.cols)));
+    }
+    EXPECT_EQ(two.squared_distance[place], distances[two.row[place]]);
+    EXPECT_EQ(two.second_squared_distance[place], distances[two.second_row[place]]);
+    EXPECT_LE(two.squared_distance[place], near.squared_distance[place]) << "to keep two must not lose the nearest";
+    EXPECT_NE(two.row[place], two.second_row[place]);
+    std::nth_element(distances.begin(), distances.begin() + 1, distances.end());
+    num_same += two.second_squared_distance[place] == distances[1] ? 1 : 0;
+  }
+  EXPECT_GT(num_same, 900);
+  EXPECT_EQ(two.second_row, search.near_two(points, 3).second_row);
+}
+
+TEST(RowSearch, OfFewRowsFindsBothExactly) {
+  const cv::Mat rows = (cv::Mat_<float>(3, 1) << 0, 10, 11), points = (cv::Mat_<float>(2, 1) << 1, 12);
+  const NearestRows two = RowSearch(rows, RowSearchKind::ManyTimes).near_two(points, 1);
+  EXPECT_EQ(two.row, (std::vector<std::uint32_t>{0, 2}));
+  EXPECT_EQ(two.second_row, (std::vector<std::uint32_t>{1, 1}));
+  const NearestRows one = RowSearch(rows.rowRange(0, 1), RowSearchKind::ManyTimes).near_two(points, 1);
+  EXPECT_EQ(one.second_squared_distance[0], std::numeric_limits<float>::infinity());
 }
 
 TEST(WordFinder, FindsTheVocabularysWords) {
