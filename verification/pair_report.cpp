@@ -41,29 +41,36 @@ class FigureList {
 
 void add_gates(const Verification& found, const VerifierOptions& options, FigureList& list) {
   const bool has_pose = found.num_inliers > 0;
-  const bool is_enough = found.num_inliers >= options.min_inliers;
-  const bool is_no_accident = is_enough && found.log10_false_alarms <= options.max_log10_false_alarms;
+  const bool is_no_accident = has_pose && found.num_inliers >= options.min_inliers &&
+                              found.log10_false_alarms <= options.max_log10_false_alarms;
   const bool is_spread = is_no_accident && found.inlier_area >= options.min_inlier_area;
-  const bool is_metric = found.num_point_inliers > 0;
+  const bool is_single = is_spread && found.num_second_inliers < options.max_second_support * found.num_true;
+  const bool is_decided = is_single && found.rotation_sigma_deg > 0;
   list.add("matches", "features that look alike", true, found.num_matches, Wanted::AtLeast, options.min_matches);
   list.add("inliers", "matches that agree with the pose", has_pose, found.num_inliers, Wanted::AtLeast, options.min_inliers);
+  list.add("true_inliers", "inliers that are true, by their scatter", has_pose, found.num_true);
   list.add("log10_false_alarms", "models as good that accidents would make, as a power of ten", has_pose,
            found.log10_false_alarms, Wanted::AtMost, options.max_log10_false_alarms);
   list.add("inlier_area", "share of the image inside the inliers' hull", is_no_accident, found.inlier_area, Wanted::AtLeast,
            options.min_inlier_area);
-  list.add("parallax_deg", "median angle between the inliers' rays", has_pose, found.median_parallax_deg,
-           is_metric ? Wanted::Anything : Wanted::AtLeast, options.min_parallax_deg);
-  list.add("rotation_sigma_deg", "standard deviation of the rotation", is_spread, found.rotation_sigma_deg, Wanted::AtMost,
-           options.max_rotation_sigma_deg);
-  if (is_metric) {
-    list.add("point_inliers", "known points that agree with the pose", is_spread, found.num_point_inliers, Wanted::AtLeast,
-             options.min_points);
-    list.add("translation_sigma", "standard deviation of the translation over the depth", is_spread, found.translation_sigma,
-             Wanted::AtMost, options.max_translation_sigma);
-  } else {
-    list.add("direction_sigma_deg", "standard deviation of the direction", is_spread, deg_from_rad(found.translation_sigma),
-             Wanted::AtMost, options.max_direction_sigma_deg);
+  list.add("second_support", "inliers of another pose among the left matches, over the true ones", is_spread,
+           found.num_second_inliers / std::max(1.0, found.num_true), Wanted::AtMost, options.max_second_support);
+  list.add("rotation_share", "share of the inliers that a rotation alone explains", is_single, found.rotation_share,
+           found.num_point_inliers > 0 ? Wanted::Anything : Wanted::AtMost, options.max_rotation_share);
+  if (found.planar_lead > 0) {
+    list.add("planar_lead", "how much likelier than a plane's other pose, as a logarithm", true, found.planar_lead,
+             Wanted::AtLeast, kMinLead);
   }
+  list.add("rotation_sigma_deg", "standard deviation of the rotation", is_decided, found.rotation_sigma_deg);
+  list.add("translation_sigma", "standard deviation of the translation across its direction, over the depth", is_decided,
+           found.translation_sigma, Wanted::AtMost, options.max_translation_sigma);
+  if (found.has_scale) list.add("scale_sigma", "relative standard deviation of the distance", true, found.scale_sigma);
+  if (found.num_point_inliers > 0) {
+    list.add("point_inliers", "known points that agree with the pose", true, found.num_point_inliers);
+  }
+  list.add("baseline_to_depth", "distance of the views over the depth of the scene", is_decided, found.baseline_to_depth);
+  list.add("parallax_deg", "median angle between the inliers' rays", has_pose, found.median_parallax_deg);
+  list.add("p_true", "probability that the loop is right", has_pose, found.p_true, Wanted::AtLeast, options.min_probability);
   list.add("rms_error_px", "of the inliers, from their epipolar lines", has_pose, found.rms_error_px);
   list.add("ransac_iterations", "models tried", has_pose, found.num_iterations);
 }
@@ -115,6 +122,8 @@ std::string_view meaning_of(Verdict verdict) {
       return "as many matches would agree by accident";
     case Verdict::InliersInCorner:
       return "what agrees covers too little of the images";
+    case Verdict::RepeatedTexture:
+      return "another set of the matches has a pose of its own: texture that repeats";
     case Verdict::NoParallax:
       return "the views differ by a rotation, and no depth tells how far apart they are";
     case Verdict::AmbiguousPose:
@@ -123,6 +132,10 @@ std::string_view meaning_of(Verdict verdict) {
       return "the known points and the rays tell different poses";
     case Verdict::PoorlyConstrained:
       return "what agrees leaves the pose too uncertain";
+    case Verdict::Improbable:
+      return "all gates passed, but not as probable as asked for";
+    case Verdict::Unconfirmed:
+      return "proved, but consecutive images have not confirmed it yet";
     case Verdict::ContradictsMap:
       return "the rest of the map says otherwise";
   }

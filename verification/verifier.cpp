@@ -11,6 +11,7 @@
 #include "verification/evidence.h"
 #include "verification/inlier_spread.h"
 #include "verification/joint_pose.h"
+#include "verification/loop_probability.h"
 #include "verification/median.h"
 #include "verification/metric_pose.h"
 #include "verification/relative_pose.h"
@@ -153,6 +154,18 @@ void decide_by_rays(std::span<const RayPair> pairs, const PoseCandidate& chosen,
   if (!result.has_scale && direction.translation_sigma > options.max_direction_sigma) result.verdict = Verdict::PoorlyConstrained;
 }
 
+LoopEvidence evidence_of(const Verification& found, const PairPrior& prior) {
+  LoopEvidence evidence;
+  evidence.p_appearance = prior.p_appearance;
+  evidence.log10_false_alarms = found.log10_false_alarms;
+  if (!prior.pose || found.information.isZero()) return evidence;
+  Pose pose = found.match_from_query;
+  if (!found.has_scale) pose.translation *= prior.pose->match_from_query.translation.norm();
+  evidence.squared_distance = squared_distance(pose, Eigen::Matrix<double, 6, 6>::Zero(), *prior.pose);
+  evidence.degrees_of_freedom = found.has_scale ? 6 : 5;
+  return evidence;
+}
+
 }  // namespace
 
 std::uint64_t pair_seed(std::uint64_t seed, std::size_t query, std::size_t match) {
@@ -166,7 +179,7 @@ std::uint64_t pair_seed(std::uint64_t seed, std::size_t query, std::size_t match
   return state;
 }
 
-Verification Verifier::verify(const View& query, const View& match, const std::optional<PosePrior>& prior) const {
+Verification Verifier::verify(const View& query, const View& match, const PairPrior& prior) const {
   Verification result;
   const std::vector<Match> matches = match_features(query.features, match.features, options_.matching);
   result.num_matches = static_cast<int>(matches.size());
@@ -184,7 +197,7 @@ Verification Verifier::verify(const View& query, const View& match, const std::o
   if (!best) return result;
   result.num_iterations = best->iterations;
   const auto candidates =
-      pose_candidates(query, match, matches, pairs, std::move(*best), pose_options, options_.scale, prior);
+      pose_candidates(query, match, matches, pairs, std::move(*best), pose_options, options_.scale, prior.pose);
   const PoseCandidate& chosen = candidates.front();
   const RelativePose& relative = chosen.relative;
 
@@ -196,6 +209,7 @@ Verification Verifier::verify(const View& query, const View& match, const std::o
   result.median_parallax_deg = deg_from_rad(median_parallax(pairs, relative.inliers, relative.match_from_query));
   const double p_accident = p_accidental_epipolar_match(match.camera.width, match.camera.height, options_.max_error_px);
   result.log10_false_alarms = log10_false_alarms(pairs.size(), relative.inliers.size(), 5, p_accident, kFivePointModels);
+  result.p_true = loop_probability({prior.p_appearance, result.log10_false_alarms, {}, {}});
   result.verdict = Verdict::TooFewInliers;
   if (result.num_inliers < options_.min_inliers) return result;
   result.verdict = Verdict::AccidentalInliers;
@@ -224,6 +238,8 @@ Verification Verifier::verify(const View& query, const View& match, const std::o
       rad_from_deg(result.rotation_sigma_deg) > options_.max_rotation_sigma * field_of_view_rad(match.camera) ||
       result.translation_sigma > options_.max_translation_sigma;
   if (result.verdict == Verdict::Accepted && vague) result.verdict = Verdict::PoorlyConstrained;
+  result.p_true = loop_probability(evidence_of(result, prior));
+  if (result.verdict == Verdict::Accepted && result.p_true < options_.min_probability) result.verdict = Verdict::Improbable;
   return result;
 }
 

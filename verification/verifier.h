@@ -46,14 +46,17 @@ struct VerifierOptions {
   /// Largest standard deviation of the distance between the views, as a share of the median depth. Loops between views further
   /// apart state a direction only.
   double max_distance_sigma = 0.035;
+  /// Loops less probable than this are refused: 0.999 for at most one false loop in 1000. 0 leaves it to the other gates.
+  double min_probability = 0;
   double confidence = 0.999;  ///< RANSAC's.
-  int max_iterations = 10000;  ///< RANSAC's bound: time spent on false candidates.
+  int max_iterations = 2000;  ///< RANSAC's bound: time spent on false candidates.
   std::uint64_t seed = 0;     ///< Combined with the frames' numbers, so that order does not matter.
 };
 
 /// What was found out about a pair of views, as far as the gates were passed.
 struct Verification {
   Verdict verdict = Verdict::TooFewMatches;
+  double p_true = 0;  ///< Probability that the loop is right; see loop_probability.h. 0 without a pose.
   int num_matches = 0;
   int num_inliers = 0;             ///< Epipolar.
   double num_true = 0;             ///< Expected number of true ones among them; see inlier_noise.h.
@@ -79,14 +82,19 @@ struct Verification {
   std::vector<Match> inliers;  ///< The matches that agree.
 };
 
+/// What is known of a pair before its features are compared.
+struct PairPrior {
+  std::optional<PosePrior> pose;  ///< Tells the two poses of a plane apart, and lowers the probability of what contradicts it.
+  double p_appearance = 0.5;      ///< Probability of the place by appearance; see LoopEvidence.
+};
+
 /// Proves or rejects that two views show one place: match, relative pose (five points), the pose among those of a plane, the
 /// length of its translation where depth is known on either side. Deterministic; const, so any number of calls may run in
 /// parallel.
 class Verifier {
  public:
   explicit Verifier(const VerifierOptions& options = {}) : options_(options) {}
-  /// `prior`, where there is one, tells the two poses of a plane apart.
-  Verification verify(const View& query, const View& match, const std::optional<PosePrior>& prior = {}) const;
+  Verification verify(const View& query, const View& match, const PairPrior& prior = {}) const;
   const VerifierOptions& options() const { return options_; }
 
  private:
