@@ -57,7 +57,8 @@ struct WindowPose {
   bool has_scale = false;
   double scale_sigma = 0;  ///< As RigRelativePose's: of the matches alone. The odometry's own error in its steps comes on top.
   /// Of (translation, rotation), both in the query's axes. A feature that several matches share counts once: the information of
-  /// all inliers is scaled by the number of different features over the number of features in all.
+  /// all inliers is scaled by the number of different features over the number of features in all. The windows' own shape counts
+  /// as exact: who knows the steps' uncertainty adds it.
   Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
   std::vector<WindowMatch> inliers;
   /// log10 of how many poses with as many inliers one would expect by accident: see evidence.h. This is all that speaks for a
