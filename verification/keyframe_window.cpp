@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "frontend/error.h"
+#include "verification/evidence.h"
 #include "verification/rig_pose.h"
 
 namespace fabloop {
@@ -47,14 +48,14 @@ std::vector<WindowMatch> match_windows(std::span<const WindowView> query, std::s
   return matches;
 }
 
-/// Different features among the inliers' over the inliers' features, counted once an inlier and side.
-double share_of_independent_features(const std::vector<WindowMatch>& inliers) {
+/// Different features among the matches' over the matches' features, counted once a match and side.
+double share_of_independent_features(const std::vector<WindowMatch>& matches) {
   std::set<std::pair<std::size_t, int>> query_features, match_features;
-  for (const WindowMatch& inlier : inliers) {
-    query_features.emplace(inlier.query_view, inlier.match.query);
-    match_features.emplace(inlier.match_view, inlier.match.match);
+  for (const WindowMatch& match : matches) {
+    query_features.emplace(match.query_view, match.match.query);
+    match_features.emplace(match.match_view, match.match.match);
   }
-  return static_cast<double>(query_features.size() + match_features.size()) / static_cast<double>(2 * inliers.size());
+  return static_cast<double>(query_features.size() + match_features.size()) / static_cast<double>(2 * matches.size());
 }
 
 double mean_focal_px(std::span<const WindowView> window) {
@@ -63,7 +64,37 @@ double mean_focal_px(std::span<const WindowView> window) {
   return sum / static_cast<double>(window.size());
 }
 
+/// Of accidents among matches of different features, for a pose of five points and a sixth that gives up to ten of them.
+double log10_accidents(const std::vector<WindowMatch>& matches, const std::vector<WindowMatch>& inliers, const Camera& camera,
+                       double max_error_px) {
+  constexpr std::size_t kSampleSize = 6;
+  constexpr double kModelsPerSample = 10;
+  const auto count = [](const std::vector<WindowMatch>& of) {
+    return static_cast<std::size_t>(share_of_independent_features(of) * static_cast<double>(of.size()));
+  };
+  const std::size_t num_inliers = count(inliers);
+  return log10_false_alarms(std::max(count(matches), num_inliers), num_inliers, kSampleSize,
+                            p_accidental_epipolar_match(camera.width, camera.height, max_error_px), kModelsPerSample);
+}
+
 }  // namespace
+
+RefinedWindow refine_window(std::span<const WindowView> views, std::size_t anchor, const NeighbourOptions& options) {
+  validate(views, "refined");
+  if (anchor >= views.size()) throw InputError("keyframe window: the anchor is none of the window's views");
+  RefinedWindow result{{views.begin(), views.end()}, 0};
+  std::vector<Pose> first_from_camera(1);
+  for (std::size_t i = 1; i < views.size(); ++i) {
+    const Pose odometry = views[i - 1].window_from_camera.inverse() * views[i].window_from_camera;
+    View previous = *views[i - 1].view, current = *views[i].view;  // their points are not ours to change
+    const auto link = link_neighbours(previous, current, odometry, options);
+    result.num_refined_steps += link.has_value();
+    first_from_camera.push_back(first_from_camera.back() * (link ? link->previous_from_current : odometry));
+  }
+  const Pose window_from_first = views[anchor].window_from_camera * first_from_camera[anchor].inverse();
+  for (std::size_t i = 0; i < views.size(); ++i) result.views[i].window_from_camera = window_from_first * first_from_camera[i];
+  return result;
+}
 
 std::optional<WindowPose> verify_windows(std::span<const WindowView> query, std::span<const WindowView> match,
                                          const WindowOptions& options) {
@@ -91,6 +122,7 @@ std::optional<WindowPose> verify_windows(std::span<const WindowView> query, std:
   result.information = share * pose->information;
   result.scale_sigma = pose->scale_sigma / std::sqrt(share);
   result.has_scale = result.scale_sigma <= options.max_scale_sigma;
+  result.log10_false_alarms = log10_accidents(matches, result.inliers, match.front().view->camera, options.max_error_px);
   result.rms_error_px = pose->rms_error_rad * focal_px;
   result.num_iterations = pose->iterations;
   return result;

@@ -10,6 +10,7 @@
 
 #include "frontend/geometry/pose.h"
 #include "verification/matching.h"
+#include "verification/neighbour.h"
 #include "verification/view.h"
 
 namespace fabloop {
@@ -19,6 +20,17 @@ struct WindowView {
   const View* view = nullptr;  ///< Not null; must outlive the call.
   Pose window_from_camera;     ///< From the odometry; window is any frame that all views of the window share.
 };
+
+/// A window whose steps are the images' rather than the odometry's.
+struct RefinedWindow {
+  std::vector<WindowView> views;  ///< In the order given.
+  int num_refined_steps = 0;      ///< Of one fewer than there are views: the other steps stay the odometry's.
+};
+
+/// Takes the rotation and the direction of each step from the images and its length from the odometry, as link_neighbours() does:
+/// the shape of a window must be right to a pixel, and odometry's angles seldom are. Views in the order of their times; the pose
+/// of `views[anchor]` stays. Throws InputError as verify_windows() does.
+RefinedWindow refine_window(std::span<const WindowView> views, std::size_t anchor, const NeighbourOptions& options = {});
 
 struct WindowOptions {
   MatchingOptions matching;
@@ -45,9 +57,13 @@ struct WindowPose {
   bool has_scale = false;
   double scale_sigma = 0;  ///< As RigRelativePose's: of the matches alone. The odometry's own error in its steps comes on top.
   /// Of (translation, rotation), both in the query's axes. A feature that several matches share counts once: the information of
-  /// all inliers is scaled by the number of different features over the number of features in all.
+  /// all inliers is scaled by the number of different features over the number of features in all. The windows' own shape counts
+  /// as exact: who knows the steps' uncertainty adds it.
   Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
   std::vector<WindowMatch> inliers;
+  /// log10 of how many poses with as many inliers one would expect by accident: see evidence.h. This is all that speaks for a
+  /// loop here; who accepts it weighs the information too.
+  double log10_false_alarms = 0;
   int num_matches = 0;     ///< Of all pairs of views.
   int num_view_pairs = 0;  ///< That share at least min_matches.
   double rms_error_px = 0;

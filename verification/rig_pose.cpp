@@ -116,14 +116,29 @@ class RigRelativeProblem {
     if (std::find(sample.begin(), sample.end(), i) == sample.end()) sample.push_back(i);
   }
 
+  /// Half of the samples come from all pairs, the other half from the best of them, however many these be: PROSAC's idea (Chum &
+  /// Matas 2005) without its schedule, which would have to know the group's share of the draws.
+  static double random_exponent(std::mt19937_64& random) {
+    const double uniform = static_cast<double>(random() >> 11) * 0x1.0p-53;  // in [0, 1)
+    return std::min(1.0, 2.0 * uniform);
+  }
+
+  /// How many of the best of `count` pairs: all for the exponent 1, at least ten.
+  static std::size_t best_of(std::size_t count, double exponent) {
+    constexpr double kLeast = 10;
+    const auto all = static_cast<double>(count);
+    return all <= kLeast ? count : static_cast<std::size_t>(std::lround(kLeast * std::pow(all / kLeast, exponent)));
+  }
+
   /// Two cameras are drawn as often as they share pairs. Besides the lengths that sixth pairs ask for, one stands for all where
   /// the scale does not matter.
   std::vector<BodyMotion> propose_five_plus_one(std::mt19937_64& random) const {
     if (drawable_.empty()) return {};
-    const std::size_t first = drawable_[random() % drawable_.size()];
+    const double exponent = random_exponent(random);
+    const std::size_t first = drawable_[random() % best_of(drawable_.size(), exponent)];
     const std::vector<std::size_t>& members = members_of_group(first);
     std::vector<std::size_t> sample{first};
-    while (sample.size() < kFive) add_if_new(sample, members[random() % members.size()]);
+    while (sample.size() < kFive) add_if_new(sample, members[random() % best_of(members.size(), exponent)]);
     std::vector<BodyMotion> motions;
     for (const BodyMotion& direction : solver_.five_points(sample)) {
       motions.push_back(solver_.with_length(direction, first, length_without_scale_));

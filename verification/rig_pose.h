@@ -35,7 +35,7 @@ struct RigPointRay {
 enum class RigSolver {
   Automatic,         ///< FivePlusOne where some two cameras share five pairs, else GeneralisedEigen.
   FivePlusOne,       ///< Five points within two cameras (Nister 2004) and a sixth elsewhere for the scale (Clipp et al. 2008).
-  GeneralisedEigen,  ///< Eight points anywhere (Kneip & Li 2014). Needs a small rotation between the bodies.
+  GeneralisedEigen,  ///< Eight points anywhere (Kneip & Li 2014): a local search from the rotation that aligns the rays.
   SeventeenPoint,    ///< Seventeen points anywhere, linearly (Pless 2003; Li, Hartley & Kim 2008). Needs nearly all inliers.
 };
 

@@ -66,6 +66,7 @@ TEST(KeyframeWindows, TellTheMetricPoseOfARevisit) {
     EXPECT_LT(error.head<3>().norm(), kMaxErrorM) << i;
     EXPECT_LT(error.tail<3>().norm(), rad_from_deg(0.3)) << i;
     EXPECT_GT(static_cast<int>(found->inliers.size()), found->num_matches * 9 / 10) << i;
+    EXPECT_LT(found->log10_false_alarms, -100) << i;
     EXPECT_GE(found->num_view_pairs, 5) << i;  // the same places, and their neighbours
     // The odds against 30 are one in 25,000 for a chi-square of 6 degrees.
     EXPECT_LT(error.dot(found->information * error), 30) << i;
@@ -92,6 +93,37 @@ TEST(KeyframeWindows, SwappingThemInvertsThePose) {
   ASSERT_TRUE(forth && back);
   // The matcher prefers one side's ratio, so a few matches differ.
   EXPECT_LT(relative_error(forth->match_from_query, back->match_from_query.inverse()).norm(), 0.02);
+}
+
+TEST(KeyframeWindows, TheImagesStraightenABentWindow) {
+  const WindowedWalk& walk = shared_walk();
+  const std::vector<WindowView> truth = walk.window(0);
+  std::vector<WindowView> bent = truth;
+  // Two degrees of a step, of which the odometry's length is left alone.
+  for (std::size_t i = 1; i < bent.size(); ++i) {
+    const Pose step = truth[i - 1].window_from_camera.inverse() * truth[i].window_from_camera;
+    const Pose bent_step{step.rotation * rotation_from_vector({0.02, -0.02, 0.02}),
+                         rotation_from_vector({0.02, 0.02, -0.02}) * step.translation};
+    bent[i].window_from_camera = bent[i - 1].window_from_camera * bent_step;
+  }
+  constexpr std::size_t kAnchor = 1;
+  const RefinedWindow refined = refine_window(bent, kAnchor);
+  EXPECT_EQ(refined.num_refined_steps, 2);
+  EXPECT_LT(relative_error(bent[kAnchor].window_from_camera, refined.views[kAnchor].window_from_camera).norm(), 1e-12);
+  for (std::size_t i = 1; i < truth.size(); ++i) {
+    const Pose step = truth[i - 1].window_from_camera.inverse() * truth[i].window_from_camera;
+    const Pose found = refined.views[i - 1].window_from_camera.inverse() * refined.views[i].window_from_camera;
+    EXPECT_LT(found.rotation.angularDistance(step.rotation), rad_from_deg(0.2)) << i;
+    EXPECT_LT(angle_between(found.translation, step.translation), rad_from_deg(0.5)) << i;
+    EXPECT_NEAR(found.translation.norm(), step.translation.norm(), 1e-9) << i;
+  }
+  const auto pose_of_bent = verify_windows(walk.window(kAgain), bent);
+  const auto pose_of_refined = verify_windows(walk.window(kAgain), refine_window(bent, 0).views);
+  ASSERT_TRUE(pose_of_bent && pose_of_refined);
+  const Pose pose = walk.window_from_window(0, kAgain);
+  EXPECT_LT(relative_error(pose, pose_of_refined->match_from_query).norm(),
+            0.3 * relative_error(pose, pose_of_bent->match_from_query).norm());
+  EXPECT_GT(pose_of_refined->inliers.size(), pose_of_bent->inliers.size());
 }
 
 TEST(KeyframeWindows, OneViewASideTellsNoScale) {
@@ -135,6 +167,8 @@ TEST(KeyframeWindows, RefuseWhatIsMissing) {
   std::vector<WindowView> bad = window;
   bad[1].view = nullptr;
   EXPECT_THROW(verify_windows(bad, window), InputError);
+  EXPECT_THROW(refine_window(bad, 0), InputError);
+  EXPECT_THROW(refine_window(window, kWindow), InputError);
   bad = window;
   bad[2].window_from_camera.translation.x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(verify_windows(window, bad), InputError);
