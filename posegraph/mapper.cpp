@@ -30,10 +30,16 @@ double median_step(const std::vector<Edge>& edges) {
   return *middle;
 }
 
+/// A sequence's odometry is its camera's.
+LoopCloserOptions as_of_cameras(LoopCloserOptions options) {
+  options.body_from_camera = {};
+  return options;
+}
+
 }  // namespace
 
 Mapper::Mapper(const Camera& camera, const Model& model, const MapperOptions& options)
-    : options_(options), loop_closer_(camera, model, options.loops) {}
+    : options_(options), loop_closer_(camera, model, as_of_cameras(options.loops)) {}
 
 void Mapper::process(const Frame& frame, DescribedFrame described) {
   if (!frame.odom_from_camera) {
@@ -41,9 +47,12 @@ void Mapper::process(const Frame& frame, DescribedFrame described) {
     return;
   }
   add_vertex(frame, described.frame);
-  LoopEvent event = loop_closer_.add_keyframe({described.frame, std::move(described.features), *frame.odom_from_camera});
+  LoopEvent event = loop_closer_.add_keyframe({.frame = described.frame,
+                                               .time_ns = frame.time_ns,
+                                               .odom_from_body = *frame.odom_from_camera,
+                                               .features = std::move(described.features)});
   for (const NeighbourLink& link : event.neighbours) add_neighbour_edge(link);
-  add_loop_edges(event);
+  for (const LoopClosure& loop : event.loops) add_loop_edge(loop);
   if (has_new_loop_ && num_since_solve_ >= options_.solve_every) solve();
   ++num_since_solve_;
   map_.online_trajectory.push_back({frame.time_ns, map_.graph.vertices.back().world_from_frame});
@@ -87,19 +96,16 @@ void Mapper::add_neighbour_edge(const NeighbourLink& link) {
   }
 }
 
-void Mapper::add_loop_edges(const LoopEvent& event) {
-  for (const HypothesisOutcome& outcome : event.hypotheses) {
-    if (outcome.verification.verdict != Verdict::Accepted) continue;
-    Edge edge;
-    edge.from = vertex_of(outcome.match);
-    edge.to = map_.graph.vertices.size() - 1;
-    edge.from_from_to = outcome.verification.match_from_query;
-    edge.information = outcome.verification.information;
-    edge.kind = EdgeKind::Loop;
-    edge.has_scale = outcome.verification.has_scale;
-    map_.graph.edges.push_back(edge);
-    has_new_loop_ = true;
-  }
+void Mapper::add_loop_edge(const LoopClosure& loop) {
+  Edge edge;
+  edge.from = vertex_of(loop.match);
+  edge.to = vertex_of(loop.query);
+  edge.from_from_to = loop.match_from_query;
+  edge.information = loop.information;
+  edge.kind = EdgeKind::Loop;
+  edge.has_scale = loop.has_scale;
+  map_.graph.edges.push_back(edge);
+  has_new_loop_ = true;
 }
 
 std::size_t Mapper::vertex_of(std::size_t position) const {
@@ -126,7 +132,7 @@ void Mapper::solve() {
 
 Map Mapper::finish() {
   solve();
-  // Loops in the order in which add_loop_edges() made them.
+  // Loops in the order in which add_loop_edge() made them.
   std::vector<Verification*> accepted;
   for (LoopEvent& event : map_.events) {
     for (HypothesisOutcome& outcome : event.hypotheses) {
@@ -151,7 +157,7 @@ Map Mapper::finish() {
   for (std::size_t v = 0; v < map_.graph.vertices.size(); ++v) {
     map_.final_trajectory.push_back({map_.odometry_trajectory[v].time_ns, map_.graph.vertices[v].world_from_frame});
   }
-  map_.views = loop_closer_.views();
+  for (const MapKeyframe& keyframe : loop_closer_.map().keyframes) map_.views.push_back(keyframe.view);
   return std::move(map_);
 }
 

@@ -19,7 +19,7 @@
 namespace fabloop {
 
 struct MapperOptions {
-  LoopCloserOptions loops;
+  LoopCloserOptions loops;  ///< Without `body_from_camera`: a sequence's odometry is its camera's.
   OptimizeOptions optimize{.objective = Objective::RotationVector, .robust_loss = RobustLoss::Cauchy};
   OdometryNoise odometry_noise;  ///< Where the images do not show it.
   /// After a loop, the graph is solved again once so many keyframes have come since the last time. 1 corrects at once; more
@@ -62,7 +62,7 @@ class Mapper {
 
  private:
   void add_vertex(const Frame& frame, std::size_t position);
-  void add_loop_edges(const LoopEvent& event);
+  void add_loop_edge(const LoopClosure& loop);
   void add_neighbour_edge(const NeighbourLink& link);
   std::size_t vertex_of(std::size_t position) const;
   void solve();

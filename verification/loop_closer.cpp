@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -25,48 +26,92 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_;
 };
 
+void validate(const LoopCloserOptions& options) {
+  predict(options.motion, Belief{}, 0);  // throws for numbers that are no probabilities
+  if (!(options.point_sigma > 0.0)) throw InputError("point_sigma must be positive: the points' error as a share of their depth");
+  const Pose& pose = options.body_from_camera;
+  constexpr double kMaxQuaternionNormError = 1e-3;
+  if (!pose.translation.allFinite() || !(std::abs(pose.rotation.norm() - 1.0) < kMaxQuaternionNormError)) {
+    throw InputError("body_from_camera is no pose: its translation must be finite and its quaternion of unit length");
+  }
+}
+
 }  // namespace
 
 LoopCloser::LoopCloser(const Camera& camera, const Model& model, const LoopCloserOptions& options)
-    : camera_(camera),
-      options_(options),
-      descriptor_kind_(model.features.kind.descriptor),
+    : options_(options),
+      extractor_(model.features),
       domain_check_(model, {.warn = options.warn}),
       recognizer_(model, options.recognizer),
       words_(model.vocabulary, options.words),
-      verifier_(options.verifier) {}
+      verifier_(options.verifier) {
+  fabloop::validate(camera, "the loop closer's camera");
+  validate(options);
+  map_.sessions.push_back({camera, options.body_from_camera});
+}
 
-LoopEvent LoopCloser::add_keyframe(Keyframe keyframe) {
-  if (keyframe.features.descriptor_kind != descriptor_kind_) {
-    throw InputError("the model knows " + std::string(to_string(descriptor_kind_)) + " descriptors, the keyframe has " +
-                     std::string(to_string(keyframe.features.descriptor_kind)) + "; extract with the model's options");
-  }
+LoopEvent LoopCloser::add_keyframe(const Keyframe& keyframe) {
+  fabloop::validate(keyframe, map_.sessions.back().camera);
+  require_next(keyframe);
   LoopEvent event;
   event.query = keyframe.frame;
-  Observation observation;
-  {
-    const Stopwatch watch(event.times.words_s);
-    observation = words_.observe(keyframe.features.descriptors);
-  }
-  domain_check_.add(observation);
-  const std::vector<Hypothesis> hypotheses = recognise(observation, event);
-  views_.push_back(make_view(keyframe.frame, camera_, std::move(keyframe.features)));
-  odom_from_cameras_.push_back(keyframe.odom_from_camera);
-  {
-    const Stopwatch watch(event.times.neighbour_s);
-    event.neighbours = link_to_earlier(views_.back());
-  }
+  event.time_ns = keyframe.time_ns;
+  event.session = session();
+  MapKeyframe seen = look_at(keyframe, event.times);
+  Belief belief;
+  const std::vector<Hypothesis> hypotheses = recognise(seen.words, belief, event);
+  // Whatever can be refused was refused by now, and nothing has changed yet.
+  remember(std::move(seen), std::move(belief));
+  link_to_earlier(event);
   verify(hypotheses, event);
+  hand_out_loops(event);
   return event;
 }
 
-std::vector<Hypothesis> LoopCloser::recognise(const Observation& observation, LoopEvent& event) {
+void LoopCloser::require_next(const Keyframe& keyframe) const {
+  if (map_.keyframes.empty()) return;
+  const MapKeyframe& last = map_.keyframes.back();
+  const std::string name = "keyframe " + std::to_string(keyframe.frame);
+  if (keyframe.frame <= last.view.frame) {
+    throw InputError(name + " comes after keyframe " + std::to_string(last.view.frame) + "; number keyframes in ascending order");
+  }
+  if (keyframe.time_ns < last.time_ns) {
+    throw InputError(name + ": its stamp of " + std::to_string(keyframe.time_ns) + " ns lies before the last one's " +
+                     std::to_string(last.time_ns) + " ns; hand keyframes over in order of time");
+  }
+}
+
+MapKeyframe LoopCloser::look_at(const Keyframe& keyframe, LoopCloserTimes& times) const {
+  Features features;
+  if (keyframe.features) {
+    features = *keyframe.features;
+    features.descriptors = features.descriptors.clone();  // hosts reuse their buffers
+  } else {
+    const Stopwatch watch(times.features_s);
+    features = extractor_.extract(keyframe.image);
+  }
+  const DescriptorKind kind = extractor_.options().kind.descriptor;
+  if (features.descriptor_kind != kind) {
+    throw InputError("the model knows " + std::string(to_string(kind)) + " descriptors, keyframe " +
+                     std::to_string(keyframe.frame) + " has " + std::string(to_string(features.descriptor_kind)) +
+                     "; extract with the model's options");
+  }
+  MapKeyframe seen;
+  seen.session = session();
+  seen.time_ns = keyframe.time_ns;
+  seen.odom_from_body = {keyframe.odom_from_body.rotation.normalized(), keyframe.odom_from_body.translation};
+  seen.step_covariance = keyframe.step_covariance;
+  const Stopwatch watch(times.words_s);
+  seen.words = words_.observe(features.descriptors);
+  seen.view = view_of(keyframe, map_.sessions.back().camera, std::move(features), options_.point_sigma);
+  return seen;
+}
+
+std::vector<Hypothesis> LoopCloser::recognise(const Observation& words, Belief& belief, LoopEvent& event) const {
   const Stopwatch watch(event.times.recognise_s);
   const std::size_t num_places = recognizer_.num_places();
-  const Prior prior = belief_ ? predict(options_.motion, *belief_, num_places) : uniform_prior(num_places);
-  belief_ = recognizer_.recognize(observation, prior);
-  recognizer_.add_place(observation);
-  const auto all = ranked_hypotheses(*belief_, {num_places, options_.hypotheses.num_recent_excluded, 0.0});
+  belief = recognizer_.recognize(words, belief_ ? predict(options_.motion, *belief_, ways_) : uniform_prior(num_places));
+  const auto all = ranked_hypotheses(belief, {num_places, options_.hypotheses.num_recent_excluded, 0.0});
   std::vector<Hypothesis> best;
   double p_known = 0;
   for (const Hypothesis& hypothesis : all) {
@@ -79,29 +124,50 @@ std::vector<Hypothesis> LoopCloser::recognise(const Observation& observation, Lo
   return best;
 }
 
-std::vector<NeighbourLink> LoopCloser::link_to_earlier(View& view) {
-  const std::size_t current = views_.size() - 1;
-  std::vector<NeighbourLink> links;
+void LoopCloser::remember(MapKeyframe keyframe, Belief belief) {
+  domain_check_.add(keyframe.words);
+  const PlaceId place = recognizer_.add_place(keyframe.words);
+  ways_.next.resize(recognizer_.num_places());
+  if (place > 0) link(ways_, place - 1, place);
+  belief_ = std::move(belief);
+  map_.keyframes.push_back(std::move(keyframe));
+}
+
+void LoopCloser::link_to_earlier(LoopEvent& event) {
+  const Stopwatch watch(event.times.neighbour_s);
+  const std::size_t current = map_.keyframes.size() - 1;
+  event.changed.push_back(current);
   for (std::size_t distance = 1; distance <= options_.max_neighbour_distance && distance <= current; distance *= 2) {
-    if (links.size() == options_.num_neighbours) break;
-    const std::size_t earlier = current - distance;
+    if (event.neighbours.size() == options_.num_neighbours) break;
+    MapKeyframe& earlier = map_.keyframes[current - distance];
+    MapKeyframe& now = map_.keyframes[current];
     NeighbourOptions options = options_.neighbour;
-    options.seed = pair_seed(options_.verifier.seed, view.frame, views_[earlier].frame);
-    const Pose earlier_from_current = odom_from_cameras_[earlier].inverse() * odom_from_cameras_[current];
-    const auto link = link_neighbours(views_[earlier], view, earlier_from_current, options);
-    if (link) links.push_back(*link);
+    options.seed = pair_seed(options_.verifier.seed, now.view.frame, earlier.view.frame);
+    const Pose& body_from_camera = options_.body_from_camera;
+    const Pose earlier_from_now = (earlier.odom_from_body * body_from_camera).inverse() * (now.odom_from_body * body_from_camera);
+    const auto link = link_neighbours(earlier.view, now.view, earlier_from_now, options);
+    if (!link) continue;
+    event.neighbours.push_back(*link);
+    event.changed.push_back(current - distance);
   }
-  return links;
 }
 
 void LoopCloser::verify(const std::vector<Hypothesis>& hypotheses, LoopEvent& event) const {
   const Stopwatch watch(event.times.verify_s);
   event.hypotheses.resize(hypotheses.size());
   parallel_for(hypotheses.size(), options_.num_threads, [&](std::size_t i) {
-    const View& match = views_[hypotheses[i].place];
-    event.hypotheses[i] = {match.frame, hypotheses[i].probability, hypotheses[i].log_likelihood,
-                           verifier_.verify(views_.back(), match)};
+    const MapKeyframe& match = map_.keyframes[hypotheses[i].place];
+    event.hypotheses[i] = {match.view.frame, match.session, hypotheses[i].probability, hypotheses[i].log_likelihood,
+                           verifier_.verify(map_.keyframes.back().view, match.view)};
   });
+}
+
+void LoopCloser::hand_out_loops(LoopEvent& event) const {
+  for (const HypothesisOutcome& outcome : event.hypotheses) {
+    if (outcome.verification.verdict != Verdict::Accepted) continue;
+    const Pose& match_body_from_camera = map_.sessions[outcome.match_session].body_from_camera;
+    event.loops.push_back(loop_closure(event.query, outcome, options_.body_from_camera, match_body_from_camera));
+  }
 }
 
 }  // namespace fabloop

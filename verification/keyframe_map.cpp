@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "verification/keyframe_map.h"
+
+#include <cassert>
+
+namespace fabloop {
+namespace {
+
+/// The step that ends at a keyframe.
+UncertainPose step_to(const KeyframeMap& map, std::size_t place, const OdometryStepNoise& noise) {
+  const MapKeyframe& keyframe = map.keyframes[place];
+  UncertainPose step{map.keyframes[place - 1].odom_from_body.inverse() * keyframe.odom_from_body};
+  if (keyframe.step_covariance) {
+    step.covariance = *keyframe.step_covariance;
+    return step;
+  }
+  const double translation_sigma = noise.translation * step.pose.translation.norm();
+  const double rotation_sigma = rad_from_deg(noise.rotation_deg);
+  step.covariance.diagonal().head<3>().setConstant(translation_sigma * translation_sigma);
+  step.covariance.diagonal().tail<3>().setConstant(rotation_sigma * rotation_sigma);
+  return step;
+}
+
+}  // namespace
+
+UncertainPose odometry_between(const KeyframeMap& map, std::size_t a, std::size_t b, const OdometryStepNoise& noise) {
+  assert(map.keyframes[a].session == map.keyframes[b].session);
+  if (b < a) return inverse(odometry_between(map, b, a, noise));
+  UncertainPose a_from_b;
+  for (std::size_t place = a + 1; place <= b; ++place) a_from_b = a_from_b * step_to(map, place, noise);
+  return a_from_b;
+}
+
+}  // namespace fabloop
