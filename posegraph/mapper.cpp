@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "verification/chi_square.h"
+
 namespace fabloop {
 namespace {
 
@@ -52,19 +54,19 @@ void Mapper::process(const Frame& frame, DescribedFrame described) {
                                                .odom_from_body = *frame.odom_from_camera,
                                                .features = std::move(described.features)});
   for (const NeighbourLink& link : event.neighbours) add_neighbour_edge(link);
-  for (const LoopClosure& loop : event.loops) add_loop_edge(loop);
+  map_.times.words_s.push_back(event.times.words_s);
+  map_.times.recognise_s.push_back(event.times.recognise_s);
+  map_.times.neighbour_s.push_back(event.times.neighbour_s);
+  map_.times.verify_s.push_back(event.times.verify_s);
+  map_.events.push_back(std::move(event));
+  add_loop_edges();
   if (has_new_loop_ && num_since_solve_ >= options_.solve_every) solve();
   ++num_since_solve_;
   map_.online_trajectory.push_back({frame.time_ns, map_.graph.vertices.back().world_from_frame});
 
   map_.times.read_s.push_back(described.read_s);
   map_.times.describe_s.push_back(described.describe_s);
-  map_.times.words_s.push_back(event.times.words_s);
-  map_.times.recognise_s.push_back(event.times.recognise_s);
-  map_.times.neighbour_s.push_back(event.times.neighbour_s);
-  map_.times.verify_s.push_back(event.times.verify_s);
   map_.grey.push_back(std::move(described.grey));
-  map_.events.push_back(std::move(event));
 }
 
 void Mapper::add_vertex(const Frame& frame, std::size_t position) {
@@ -96,16 +98,32 @@ void Mapper::add_neighbour_edge(const NeighbourLink& link) {
   }
 }
 
+void Mapper::add_loop_edges() {
+  const LoopEvent& event = map_.events.back();
+  for (const std::vector<LoopClosure>* loops : {&event.loops, &event.confirmed}) {
+    for (const LoopClosure& loop : *loops) add_loop_edge(loop);
+  }
+}
+
 void Mapper::add_loop_edge(const LoopClosure& loop) {
+  loops_.push_back({vertex_of(loop.query), loop.match});
+  verdict_of(loops_.back()) = Verdict::Accepted;
   Edge edge;
   edge.from = vertex_of(loop.match);
-  edge.to = vertex_of(loop.query);
+  edge.to = loops_.back().query;
   edge.from_from_to = loop.match_from_query;
   edge.information = loop.information;
   edge.kind = EdgeKind::Loop;
   edge.has_scale = loop.has_scale;
   map_.graph.edges.push_back(edge);
   has_new_loop_ = true;
+}
+
+Verdict& Mapper::verdict_of(const LoopPair& pair) {
+  std::vector<HypothesisOutcome>& hypotheses = map_.events[pair.query].hypotheses;
+  const auto found = std::find_if(hypotheses.begin(), hypotheses.end(),
+                                  [&](const HypothesisOutcome& outcome) { return outcome.match == pair.match; });
+  return found->verification.verdict;
 }
 
 std::size_t Mapper::vertex_of(std::size_t position) const {
@@ -132,13 +150,6 @@ void Mapper::solve() {
 
 Map Mapper::finish() {
   solve();
-  // Loops in the order in which add_loop_edge() made them.
-  std::vector<Verification*> accepted;
-  for (LoopEvent& event : map_.events) {
-    for (HypothesisOutcome& outcome : event.hypotheses) {
-      if (outcome.verification.verdict == Verdict::Accepted) accepted.push_back(&outcome.verification);
-    }
-  }
   std::vector<Edge> kept;
   std::size_t loop = 0;
   for (std::size_t i = 0; i < map_.graph.edges.size(); ++i) {
@@ -146,7 +157,7 @@ Map Mapper::finish() {
     const int degrees_of_freedom = map_.graph.edges[i].has_scale ? 6 : 5;
     const bool contradicts =
         is_loop && map_.report.edges[i].chi2 > chi_square_quantile(options_.max_loop_surprise, degrees_of_freedom);
-    if (contradicts) accepted[loop]->verdict = Verdict::ContradictsMap;
+    if (contradicts) verdict_of(loops_[loop]) = Verdict::ContradictsMap;
     if (!contradicts) kept.push_back(map_.graph.edges[i]);
     loop += is_loop;
   }

@@ -62,7 +62,15 @@ class Mapper {
 
  private:
   void add_vertex(const Frame& frame, std::size_t position);
+  /// A loop of the ledger.
+  struct LoopPair {
+    std::size_t query = 0;  ///< Position of its event.
+    std::size_t match = 0;  ///< Keyframe::frame.
+  };
+
+  void add_loop_edges();
   void add_loop_edge(const LoopClosure& loop);
+  Verdict& verdict_of(const LoopPair& pair);
   void add_neighbour_edge(const NeighbourLink& link);
   std::size_t vertex_of(std::size_t position) const;
   void solve();
@@ -71,6 +79,7 @@ class Mapper {
   LoopCloser loop_closer_;
   Map map_;
   std::vector<Pose> odom_from_cameras_;  ///< By vertex.
+  std::vector<LoopPair> loops_;          ///< One a loop edge, in their order.
   std::vector<double> rotation_errors_deg_, direction_errors_deg_;
   bool has_new_loop_ = false;
   std::size_t num_since_solve_ = 0;

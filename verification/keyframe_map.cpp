@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "verification/keyframe_map.h"
 
+#include <algorithm>
 #include <cassert>
+#include <utility>
 
 namespace fabloop {
 namespace {
@@ -22,6 +24,15 @@ UncertainPose step_to(const KeyframeMap& map, std::size_t place, const OdometryS
 }
 
 }  // namespace
+
+std::size_t position_of(const KeyframeMap& map, std::size_t session, std::size_t frame) {
+  const auto comes_before = [](const MapKeyframe& keyframe, const std::pair<std::size_t, std::size_t>& sought) {
+    return std::pair(keyframe.session, keyframe.view.frame) < sought;
+  };
+  const auto found = std::lower_bound(map.keyframes.begin(), map.keyframes.end(), std::pair(session, frame), comes_before);
+  assert(found != map.keyframes.end() && found->session == session && found->view.frame == frame);
+  return static_cast<std::size_t>(found - map.keyframes.begin());
+}
 
 UncertainPose odometry_between(const KeyframeMap& map, std::size_t a, std::size_t b, const OdometryStepNoise& noise) {
   assert(map.keyframes[a].session == map.keyframes[b].session);

@@ -37,6 +37,9 @@ struct KeyframeMap {
   std::vector<MapKeyframe> keyframes;  ///< By session, then by frame.
 };
 
+/// Where the map has the keyframe `frame` of a session. It must have it.
+std::size_t position_of(const KeyframeMap& map, std::size_t session, std::size_t frame);
+
 /// How far a step of the odometry is off, one standard deviation, where the host gives no covariance.
 struct OdometryStepNoise {
   double rotation_deg = 1.0;  ///< Each axis.

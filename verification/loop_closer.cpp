@@ -44,7 +44,8 @@ LoopCloser::LoopCloser(const Camera& camera, const Model& model, const LoopClose
       domain_check_(model, {.warn = options.warn}),
       recognizer_(model, options.recognizer),
       words_(model.vocabulary, options.words),
-      verifier_(options.verifier) {
+      verifier_(options.verifier),
+      consistency_(options.consistency) {
   fabloop::validate(camera, "the loop closer's camera");
   validate(options);
   map_.sessions.push_back({camera, options.body_from_camera});
@@ -162,11 +163,21 @@ void LoopCloser::verify(const std::vector<Hypothesis>& hypotheses, LoopEvent& ev
   });
 }
 
-void LoopCloser::hand_out_loops(LoopEvent& event) const {
+void LoopCloser::hand_out_loops(LoopEvent& event) {
+  std::vector<LoopClosure> proven;
   for (const HypothesisOutcome& outcome : event.hypotheses) {
     if (outcome.verification.verdict != Verdict::Accepted) continue;
     const Pose& match_body_from_camera = map_.sessions[outcome.match_session].body_from_camera;
-    event.loops.push_back(loop_closure(event.query, outcome, options_.body_from_camera, match_body_from_camera));
+    proven.push_back(loop_closure(event.query, outcome, options_.body_from_camera, match_body_from_camera));
+  }
+  ConfirmedLoops confirmed = consistency_.add(map_, proven);
+  event.loops = std::move(confirmed.now);
+  event.confirmed = std::move(confirmed.earlier);
+  for (HypothesisOutcome& outcome : event.hypotheses) {
+    const bool is_handed_out = std::any_of(event.loops.begin(), event.loops.end(), [&](const LoopClosure& loop) {
+      return loop.match == outcome.match && loop.match_session == outcome.match_session;
+    });
+    if (outcome.verification.verdict == Verdict::Accepted && !is_handed_out) outcome.verification.verdict = Verdict::Unconfirmed;
   }
 }
 

@@ -21,6 +21,7 @@
 #include "verification/keyframe_map.h"
 #include "verification/loop_event.h"
 #include "verification/neighbour.h"
+#include "verification/temporal_consistency.h"
 #include "verification/verifier.h"
 
 namespace fabloop {
@@ -32,7 +33,8 @@ struct LoopCloserOptions {
   HypothesesOptions hypotheses;
   VerifierOptions verifier;
   NeighbourOptions neighbour;
-  Pose body_from_camera;  ///< Where the camera sits on the body whose odometry is given.
+  ConsistencyOptions consistency;  ///< Off by default: every proven loop is handed out at once.
+  Pose body_from_camera;           ///< Where the camera sits on the body whose odometry is given.
   /// Relative standard deviation of the points and depths that keyframes bring along. More for stereo of a short baseline.
   double point_sigma = 0.02;
   /// So many earlier keyframes give this one's features a depth: those 1, 2, 4, ... back that show enough of the same. The
@@ -65,7 +67,7 @@ class LoopCloser {
   void remember(MapKeyframe keyframe, Belief belief);
   void link_to_earlier(LoopEvent& event);
   void verify(const std::vector<Hypothesis>& hypotheses, LoopEvent& event) const;
-  void hand_out_loops(LoopEvent& event) const;
+  void hand_out_loops(LoopEvent& event);
 
   std::size_t session() const { return map_.sessions.size() - 1; }
 
@@ -75,6 +77,7 @@ class LoopCloser {
   PlaceRecognizer recognizer_;
   WordFinder words_;
   Verifier verifier_;
+  TemporalConsistency consistency_;
   std::optional<Belief> belief_;  ///< After the last keyframe.
   KeyframeMap map_;               ///< Its keyframes are the recogniser's places.
   PlaceGraph ways_;               ///< Which places follow which.

@@ -143,6 +143,8 @@ std::string_view to_string(Verdict verdict) {
       return "ScaleDisagrees";
     case Verdict::PoorlyConstrained:
       return "PoorlyConstrained";
+    case Verdict::Unconfirmed:
+      return "Unconfirmed";
     case Verdict::ContradictsMap:
       return "ContradictsMap";
   }

@@ -26,6 +26,7 @@ enum class Verdict {
   AmbiguousPose,      ///< A different pose explains the same matches as well: a plane seen without depth.
   ScaleDisagrees,     ///< The known points and the rays alone give different poses.
   PoorlyConstrained,  ///< The inliers leave the pose too uncertain: they lie in a corner, say.
+  Unconfirmed,        ///< Proved, but not yet seen by enough consecutive queries. Only a loop closer can tell.
   ContradictsMap,     ///< Proved by its images, but the rest of the map says otherwise. Only a map can tell.
 };
 

@@ -6,7 +6,9 @@
 #include <functional>
 #include <limits>
 #include <opencv2/imgproc.hpp>
+#include <set>
 #include <string>
+#include <utility>
 
 #include "frontend/error.h"
 #include "frontend/fabmap/model_training.h"
@@ -165,6 +167,33 @@ TEST(LoopCloser, PointsOfTheHostGiveScaleWithoutNeighbours) {
     for (const LoopClosure& loop : event.loops) num_with_scale += loop.has_scale;
   }
   EXPECT_GE(num_with_scale, 4U);  // six frames see the start again
+}
+
+TEST(LoopCloser, WithholdsLoopsUntilEnoughKeyframesAgree) {
+  const Walk walk = make_walk();
+  LoopCloserOptions options = walk_options();
+  options.consistency.num_required = 2;
+  const auto at_once = close_loops(walk, walk_options());
+  const auto later = close_loops(walk, options);
+  std::set<std::pair<std::size_t, std::size_t>> proven, handed_out, withheld;
+  bool is_first_revisit = true;
+  for (std::size_t i = 0; i < later.size(); ++i) {
+    for (const LoopClosure& loop : at_once[i].loops) proven.insert({loop.query, loop.match});
+    if (is_first_revisit && !at_once[i].loops.empty()) {
+      EXPECT_TRUE(later[i].loops.empty());
+      is_first_revisit = false;
+    }
+    for (const HypothesisOutcome& outcome : later[i].hypotheses) {
+      if (outcome.verification.verdict == Verdict::Unconfirmed) withheld.insert({later[i].query, outcome.match});
+    }
+    for (const LoopClosure& loop : later[i].loops) EXPECT_TRUE(handed_out.insert({loop.query, loop.match}).second);
+    for (const LoopClosure& loop : later[i].confirmed) {
+      EXPECT_TRUE(withheld.contains({loop.query, loop.match})) << "was withheld before";
+      EXPECT_TRUE(handed_out.insert({loop.query, loop.match}).second) << "is handed out once";
+    }
+  }
+  EXPECT_FALSE(withheld.empty());
+  EXPECT_EQ(handed_out, proven) << "right loops of a revisit of six keyframes are all confirmed in the end";
 }
 
 TEST(LoopCloser, ARefusedKeyframeChangesNothing) {
