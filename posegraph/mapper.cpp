@@ -48,11 +48,11 @@ void Mapper::process(const Frame& frame, DescribedFrame described) {
     ++map_.num_without_odometry;
     return;
   }
-  add_vertex(frame, described.frame);
   LoopEvent event = loop_closer_.add_keyframe({.frame = described.frame,
                                                .time_ns = frame.time_ns,
                                                .odom_from_body = *frame.odom_from_camera,
                                                .features = std::move(described.features)});
+  add_vertex(frame, described.frame);
   for (const NeighbourLink& link : event.neighbours) add_neighbour_edge(link);
   map_.times.words_s.push_back(event.times.words_s);
   map_.times.recognise_s.push_back(event.times.recognise_s);
