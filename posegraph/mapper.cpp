@@ -40,8 +40,12 @@ LoopCloserOptions as_of_cameras(LoopCloserOptions options) {
 
 }  // namespace
 
-Mapper::Mapper(const Camera& camera, const Model& model, const MapperOptions& options)
-    : options_(options), loop_closer_(camera, model, as_of_cameras(options.loops)) {}
+Mapper::Mapper(const Camera& camera, const Model& model, const MapperOptions& options, KeyframeMap earlier)
+    : options_(options), loop_closer_(camera, model, as_of_cameras(options.loops), std::move(earlier)) {
+  if (options.save_map.empty()) return;
+  map_file_ = std::filesystem::exists(options.save_map) ? KeyframeMapFile::open(options.save_map, model)
+                                                        : KeyframeMapFile::create(options.save_map, loop_closer_.map());
+}
 
 void Mapper::process(const Frame& frame, DescribedFrame described) {
   if (!frame.odom_from_camera) {
@@ -52,6 +56,7 @@ void Mapper::process(const Frame& frame, DescribedFrame described) {
                                                .time_ns = frame.time_ns,
                                                .odom_from_body = *frame.odom_from_camera,
                                                .features = std::move(described.features)});
+  if (map_file_) map_file_->put(loop_closer_.map(), event.changed);
   add_vertex(frame, described.frame);
   for (const NeighbourLink& link : event.neighbours) add_neighbour_edge(link);
   map_.times.words_s.push_back(event.times.words_s);
@@ -59,7 +64,7 @@ void Mapper::process(const Frame& frame, DescribedFrame described) {
   map_.times.neighbour_s.push_back(event.times.neighbour_s);
   map_.times.verify_s.push_back(event.times.verify_s);
   map_.events.push_back(std::move(event));
-  add_loop_edges();
+  take_loops();
   if (has_new_loop_ && num_since_solve_ >= options_.solve_every) solve();
   ++num_since_solve_;
   map_.online_trajectory.push_back({frame.time_ns, map_.graph.vertices.back().world_from_frame});
@@ -98,31 +103,34 @@ void Mapper::add_neighbour_edge(const NeighbourLink& link) {
   }
 }
 
-void Mapper::add_loop_edges() {
+void Mapper::take_loops() {
   const LoopEvent& event = map_.events.back();
   for (const std::vector<LoopClosure>* loops : {&event.loops, &event.confirmed}) {
-    for (const LoopClosure& loop : *loops) add_loop_edge(loop);
+    for (const LoopClosure& loop : *loops) {
+      verdict_of({vertex_of(loop.query), loop.match, loop.match_session}) = Verdict::Accepted;
+      if (loop.match_session == event.session) add_loop_edge(loop);
+    }
   }
 }
 
 void Mapper::add_loop_edge(const LoopClosure& loop) {
-  loops_.push_back({vertex_of(loop.query), loop.match});
-  verdict_of(loops_.back()) = Verdict::Accepted;
   Edge edge;
   edge.from = vertex_of(loop.match);
-  edge.to = loops_.back().query;
+  edge.to = vertex_of(loop.query);
   edge.from_from_to = loop.match_from_query;
   edge.information = loop.information;
   edge.kind = EdgeKind::Loop;
   edge.has_scale = loop.has_scale;
   map_.graph.edges.push_back(edge);
+  loops_.push_back({edge.to, loop.match, loop.match_session});
   has_new_loop_ = true;
 }
 
 Verdict& Mapper::verdict_of(const LoopPair& pair) {
   std::vector<HypothesisOutcome>& hypotheses = map_.events[pair.query].hypotheses;
-  const auto found = std::find_if(hypotheses.begin(), hypotheses.end(),
-                                  [&](const HypothesisOutcome& outcome) { return outcome.match == pair.match; });
+  const auto found = std::find_if(hypotheses.begin(), hypotheses.end(), [&](const HypothesisOutcome& outcome) {
+    return outcome.match == pair.match && outcome.match_session == pair.match_session;
+  });
   return found->verification.verdict;
 }
 
@@ -168,7 +176,10 @@ Map Mapper::finish() {
   for (std::size_t v = 0; v < map_.graph.vertices.size(); ++v) {
     map_.final_trajectory.push_back({map_.odometry_trajectory[v].time_ns, map_.graph.vertices[v].world_from_frame});
   }
-  for (const MapKeyframe& keyframe : loop_closer_.map().keyframes) map_.views.push_back(keyframe.view);
+  const KeyframeMap& keyframes = loop_closer_.map();
+  for (std::size_t place = keyframes.keyframes.size() - map_.events.size(); place < keyframes.keyframes.size(); ++place) {
+    map_.views.push_back(keyframes.keyframes[place].view);
+  }
   return std::move(map_);
 }
 

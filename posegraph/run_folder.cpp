@@ -57,6 +57,7 @@ LoopCounts count_loops(const Map& map) {
     for (const HypothesisOutcome& outcome : event.hypotheses) {
       const bool accepted = outcome.verification.verdict == Verdict::Accepted;
       counts.num_accepted += accepted;
+      counts.num_into_earlier += accepted && outcome.match_session != event.session;
       counts.num_with_scale += accepted && outcome.verification.has_scale;
     }
   }

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "frontend/fabmap/observation.h"
@@ -33,6 +34,7 @@ struct MapKeyframe {
 
 /// All keyframes of one or several sessions in order: what later keyframes are compared with.
 struct KeyframeMap {
+  std::string model_hash;  ///< Of the model that the words are of; see model_hash().
   std::vector<MapSession> sessions;
   std::vector<MapKeyframe> keyframes;  ///< By session, then by frame.
 };

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "frontend/error.h"
+#include "frontend/fabmap/model_hash.h"
 #include "frontend/parallel.h"
 
 namespace fabloop {
@@ -38,7 +39,7 @@ void validate(const LoopCloserOptions& options) {
 
 }  // namespace
 
-LoopCloser::LoopCloser(const Camera& camera, const Model& model, const LoopCloserOptions& options)
+LoopCloser::LoopCloser(const Camera& camera, const Model& model, const LoopCloserOptions& options, KeyframeMap earlier)
     : options_(options),
       extractor_(model.features),
       domain_check_(model, {.warn = options.warn}),
@@ -48,6 +49,18 @@ LoopCloser::LoopCloser(const Camera& camera, const Model& model, const LoopClose
       consistency_(options.consistency) {
   fabloop::validate(camera, "the loop closer's camera");
   validate(options);
+  const std::string hash = model_hash(model);
+  if (!earlier.keyframes.empty() && earlier.model_hash != hash) {
+    throw InputError(
+        "the earlier map was made with another model, whose words mean something else; give the model that it was made "
+        "with, or map again");
+  }
+  map_ = std::move(earlier);
+  map_.model_hash = hash;
+  for (std::size_t i = 0; i < map_.keyframes.size(); ++i) {
+    add_place(map_.keyframes[i].words, i > 0 && map_.keyframes[i].session == map_.keyframes[i - 1].session);
+  }
+  num_earlier_ = map_.keyframes.size();
   map_.sessions.push_back({camera, options.body_from_camera});
 }
 
@@ -70,7 +83,7 @@ LoopEvent LoopCloser::add_keyframe(const Keyframe& keyframe) {
 }
 
 void LoopCloser::require_next(const Keyframe& keyframe) const {
-  if (map_.keyframes.empty()) return;
+  if (num_of_this_session() == 0) return;
   const MapKeyframe& last = map_.keyframes.back();
   const std::string name = "keyframe " + std::to_string(keyframe.frame);
   if (keyframe.frame <= last.view.frame) {
@@ -112,7 +125,8 @@ std::vector<Hypothesis> LoopCloser::recognise(const Observation& words, Belief& 
   const Stopwatch watch(event.times.recognise_s);
   const std::size_t num_places = recognizer_.num_places();
   belief = recognizer_.recognize(words, belief_ ? predict(options_.motion, *belief_, ways_) : uniform_prior(num_places));
-  const auto all = ranked_hypotheses(belief, {num_places, options_.hypotheses.num_recent_excluded, 0.0});
+  const std::size_t num_recent = std::min(options_.hypotheses.num_recent_excluded, num_of_this_session());
+  const auto all = ranked_hypotheses(belief, {num_places, num_recent, 0.0});
   std::vector<Hypothesis> best;
   double p_known = 0;
   for (const Hypothesis& hypothesis : all) {
@@ -127,18 +141,22 @@ std::vector<Hypothesis> LoopCloser::recognise(const Observation& words, Belief& 
 
 void LoopCloser::remember(MapKeyframe keyframe, Belief belief) {
   domain_check_.add(keyframe.words);
-  const PlaceId place = recognizer_.add_place(keyframe.words);
-  ways_.next.resize(recognizer_.num_places());
-  if (place > 0) link(ways_, place - 1, place);
+  add_place(keyframe.words, num_of_this_session() > 0);
   belief_ = std::move(belief);
   map_.keyframes.push_back(std::move(keyframe));
+}
+
+void LoopCloser::add_place(const Observation& words, bool follows_last) {
+  const PlaceId place = recognizer_.add_place(words);
+  ways_.next.resize(recognizer_.num_places());
+  if (follows_last) link(ways_, place - 1, place);
 }
 
 void LoopCloser::link_to_earlier(LoopEvent& event) {
   const Stopwatch watch(event.times.neighbour_s);
   const std::size_t current = map_.keyframes.size() - 1;
   event.changed.push_back(current);
-  for (std::size_t distance = 1; distance <= options_.max_neighbour_distance && distance <= current; distance *= 2) {
+  for (std::size_t distance = 1; distance <= options_.max_neighbour_distance && distance < num_of_this_session(); distance *= 2) {
     if (event.neighbours.size() == options_.num_neighbours) break;
     MapKeyframe& earlier = map_.keyframes[current - distance];
     MapKeyframe& now = map_.keyframes[current];

@@ -50,14 +50,15 @@ struct LoopCloserOptions {
 /// keyframe's features in memory. Not safe to call from several threads at once; AsyncLoopCloser is.
 class LoopCloser {
  public:
-  /// Throws InputError when the model, the camera or an option is not valid.
-  LoopCloser(const Camera& camera, const Model& model, const LoopCloserOptions& options = {});
+  /// With the map of earlier sessions (see read_keyframe_map()), keyframes are recognised among those too. Throws InputError when
+  /// the model, the camera or an option is not valid, or when the map was made with another model.
+  LoopCloser(const Camera& camera, const Model& model, const LoopCloserOptions& options = {}, KeyframeMap earlier = {});
 
   /// Throws InputError when the keyframe is inconsistent (see validate()), does not come after the one before, or has features
   /// that are not the model's. A refused keyframe changes nothing.
   LoopEvent add_keyframe(const Keyframe& keyframe);
 
-  /// All keyframes so far. Their positions are FAB-MAP's places.
+  /// All keyframes so far, those of earlier sessions first. Their positions are FAB-MAP's places.
   const KeyframeMap& map() const { return map_; }
 
  private:
@@ -69,7 +70,10 @@ class LoopCloser {
   void verify(const std::vector<Hypothesis>& hypotheses, LoopEvent& event) const;
   void hand_out_loops(LoopEvent& event);
 
+  void add_place(const Observation& words, bool follows_last);
+
   std::size_t session() const { return map_.sessions.size() - 1; }
+  std::size_t num_of_this_session() const { return map_.keyframes.size() - num_earlier_; }
 
   LoopCloserOptions options_;
   FeatureExtractor extractor_;
@@ -80,7 +84,8 @@ class LoopCloser {
   TemporalConsistency consistency_;
   std::optional<Belief> belief_;  ///< After the last keyframe.
   KeyframeMap map_;               ///< Its keyframes are the recogniser's places.
-  PlaceGraph ways_;               ///< Which places follow which.
+  PlaceGraph ways_;               ///< Which places follow which, in each session.
+  std::size_t num_earlier_ = 0;   ///< Keyframes of earlier sessions.
 };
 
 }  // namespace fabloop
