@@ -53,8 +53,17 @@ void validate_image(const Keyframe& keyframe, const Camera& camera) {
   validate_size(keyframe, keyframe.image, camera, "image");
 }
 
-void validate_features(const Keyframe& keyframe) {
+void validate_features(const Keyframe& keyframe, DescriptorKind kind) {
   const Features& features = *keyframe.features;
+  if (features.descriptor_kind != kind) {
+    fail(keyframe, "the model knows " + std::string(to_string(kind)) + " descriptors, these are " +
+                       std::string(to_string(features.descriptor_kind)) + "; extract with the model's options");
+  }
+  if (!features.descriptors.empty() && features.descriptors.type() != descriptor_layout(kind).cv_type) {
+    fail(keyframe, std::string(to_string(kind)) + " descriptors are " +
+                       (descriptor_layout(kind).cv_type == CV_32F ? "32-bit floats" : "packed bits") +
+                       ", one row a feature; these are something else");
+  }
   if (features.descriptors.rows != static_cast<int>(features.keypoints.size())) {
     fail(keyframe, "has " + std::to_string(features.keypoints.size()) + " keypoints and " +
                        std::to_string(features.descriptors.rows) + " descriptors; give one descriptor a keypoint");
@@ -133,12 +142,22 @@ void require_on_rays(const Keyframe& keyframe, const View& view) {
 
 }  // namespace
 
-void validate(const Keyframe& keyframe, const Camera& camera) {
+void validate(const Keyframe& keyframe, const Camera& camera, DescriptorKind descriptor_kind) {
   validate_pose(keyframe);
   validate_image(keyframe, camera);
-  if (keyframe.features) validate_features(keyframe);
+  if (keyframe.features) validate_features(keyframe, descriptor_kind);
   validate_points(keyframe);
   validate_depth(keyframe, camera);
+}
+
+void require_follows(const Keyframe& keyframe, std::size_t last_frame, std::int64_t last_time_ns) {
+  if (keyframe.frame <= last_frame) {
+    fail(keyframe, "comes after keyframe " + std::to_string(last_frame) + "; number keyframes in ascending order");
+  }
+  if (keyframe.time_ns < last_time_ns) {
+    fail(keyframe, "its stamp of " + std::to_string(keyframe.time_ns) + " ns lies before the last one's " +
+                       std::to_string(last_time_ns) + " ns; hand keyframes over in order of time");
+  }
 }
 
 View view_of(const Keyframe& keyframe, const Camera& camera, Features features, double point_sigma) {

@@ -33,8 +33,12 @@ struct Keyframe {
   double depth_unit_m = 0.001;  ///< Metres a unit of a 16-bit depth image; 0.0002 for TUM RGB-D.
 };
 
-/// Throws InputError that names the keyframe, what is inconsistent in it, and how to mend it. Looks at this keyframe alone.
-void validate(const Keyframe& keyframe, const Camera& camera);
+/// Throws InputError that names the keyframe, what is inconsistent in it, and how to mend it. Features must have descriptors of
+/// the given kind, their length apart.
+void validate(const Keyframe& keyframe, const Camera& camera, DescriptorKind descriptor_kind);
+
+/// Throws InputError when a keyframe's number does not rise, or its stamp falls, from those of the one before.
+void require_follows(const Keyframe& keyframe, std::size_t last_frame, std::int64_t last_time_ns);
 
 /// The view that a valid keyframe shows: its features (or those extracted from its image), with the host's points, known to
 /// `point_sigma` of their depth. Throws InputError when the points do not lie on the rays of their features, which they do only

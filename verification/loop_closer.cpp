@@ -2,7 +2,6 @@
 #include "verification/loop_closer.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -10,22 +9,10 @@
 #include "frontend/error.h"
 #include "frontend/fabmap/model_hash.h"
 #include "frontend/parallel.h"
+#include "frontend/stopwatch.h"
 
 namespace fabloop {
 namespace {
-
-/// Adds the time until its end to a figure.
-class Stopwatch {
- public:
-  explicit Stopwatch(double& seconds) : seconds_(seconds), start_(std::chrono::steady_clock::now()) {}
-  ~Stopwatch() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-  Stopwatch(const Stopwatch&) = delete;
-  Stopwatch& operator=(const Stopwatch&) = delete;
-
- private:
-  double& seconds_;
-  std::chrono::steady_clock::time_point start_;
-};
 
 void validate(const LoopCloserOptions& options) {
   predict(options.motion, Belief{}, 0);  // throws for numbers that are no probabilities
@@ -35,6 +22,14 @@ void validate(const LoopCloserOptions& options) {
   if (!pose.translation.allFinite() || !(std::abs(pose.rotation.norm() - 1.0) < kMaxQuaternionNormError)) {
     throw InputError("body_from_camera is no pose: its translation must be finite and its quaternion of unit length");
   }
+}
+
+void require_model(const KeyframeMap& earlier, const Model& model) {
+  if (earlier.keyframes.empty() || earlier.model_hash == model_hash(model)) return;
+  throw InputError(
+      "the earlier map was made with another model, whose words mean something else; give the model that it was made with, or "
+      "map "
+      "again");
 }
 
 }  // namespace
@@ -49,14 +44,9 @@ LoopCloser::LoopCloser(const Camera& camera, const Model& model, const LoopClose
       consistency_(options.consistency) {
   fabloop::validate(camera, "the loop closer's camera");
   validate(options);
-  const std::string hash = model_hash(model);
-  if (!earlier.keyframes.empty() && earlier.model_hash != hash) {
-    throw InputError(
-        "the earlier map was made with another model, whose words mean something else; give the model that it was made "
-        "with, or map again");
-  }
   map_ = std::move(earlier);
-  map_.model_hash = hash;
+  require_model(map_, model);
+  map_.model_hash = model_hash(model);
   for (std::size_t i = 0; i < map_.keyframes.size(); ++i) {
     add_place(map_.keyframes[i].words, i > 0 && map_.keyframes[i].session == map_.keyframes[i - 1].session);
   }
@@ -65,34 +55,21 @@ LoopCloser::LoopCloser(const Camera& camera, const Model& model, const LoopClose
 }
 
 LoopEvent LoopCloser::add_keyframe(const Keyframe& keyframe) {
-  fabloop::validate(keyframe, map_.sessions.back().camera);
-  require_next(keyframe);
+  fabloop::validate(keyframe, map_.sessions.back().camera, extractor_.options().kind.descriptor);
+  if (num_of_this_session() > 0) require_follows(keyframe, map_.keyframes.back().view.frame, map_.keyframes.back().time_ns);
   LoopEvent event;
   event.query = keyframe.frame;
   event.time_ns = keyframe.time_ns;
   event.session = session();
   MapKeyframe seen = look_at(keyframe, event.times);
-  Belief belief;
-  const std::vector<Hypothesis> hypotheses = recognise(seen.words, belief, event);
+  Belief belief = recognise(seen.words, event.times);
   // Whatever can be refused was refused by now, and nothing has changed yet.
+  const std::vector<Hypothesis> hypotheses = most_probable(belief, event);
   remember(std::move(seen), std::move(belief));
   link_to_earlier(event);
   verify(hypotheses, event);
   hand_out_loops(event);
   return event;
-}
-
-void LoopCloser::require_next(const Keyframe& keyframe) const {
-  if (num_of_this_session() == 0) return;
-  const MapKeyframe& last = map_.keyframes.back();
-  const std::string name = "keyframe " + std::to_string(keyframe.frame);
-  if (keyframe.frame <= last.view.frame) {
-    throw InputError(name + " comes after keyframe " + std::to_string(last.view.frame) + "; number keyframes in ascending order");
-  }
-  if (keyframe.time_ns < last.time_ns) {
-    throw InputError(name + ": its stamp of " + std::to_string(keyframe.time_ns) + " ns lies before the last one's " +
-                     std::to_string(last.time_ns) + " ns; hand keyframes over in order of time");
-  }
 }
 
 MapKeyframe LoopCloser::look_at(const Keyframe& keyframe, LoopCloserTimes& times) const {
@@ -103,12 +80,6 @@ MapKeyframe LoopCloser::look_at(const Keyframe& keyframe, LoopCloserTimes& times
   } else {
     const Stopwatch watch(times.features_s);
     features = extractor_.extract(keyframe.image);
-  }
-  const DescriptorKind kind = extractor_.options().kind.descriptor;
-  if (features.descriptor_kind != kind) {
-    throw InputError("the model knows " + std::string(to_string(kind)) + " descriptors, keyframe " +
-                     std::to_string(keyframe.frame) + " has " + std::string(to_string(features.descriptor_kind)) +
-                     "; extract with the model's options");
   }
   MapKeyframe seen;
   seen.session = session();
@@ -121,12 +92,16 @@ MapKeyframe LoopCloser::look_at(const Keyframe& keyframe, LoopCloserTimes& times
   return seen;
 }
 
-std::vector<Hypothesis> LoopCloser::recognise(const Observation& words, Belief& belief, LoopEvent& event) const {
+Belief LoopCloser::recognise(const Observation& words, LoopCloserTimes& times) const {
+  const Stopwatch watch(times.recognise_s);
+  return recognizer_.recognize(words,
+                               belief_ ? predict(options_.motion, *belief_, ways_) : uniform_prior(recognizer_.num_places()));
+}
+
+std::vector<Hypothesis> LoopCloser::most_probable(const Belief& belief, LoopEvent& event) const {
   const Stopwatch watch(event.times.recognise_s);
-  const std::size_t num_places = recognizer_.num_places();
-  belief = recognizer_.recognize(words, belief_ ? predict(options_.motion, *belief_, ways_) : uniform_prior(num_places));
   const std::size_t num_recent = std::min(options_.hypotheses.num_recent_excluded, num_of_this_session());
-  const auto all = ranked_hypotheses(belief, {num_places, num_recent, 0.0});
+  const auto all = ranked_hypotheses(belief, {belief.p_place.size(), num_recent, 0.0});
   std::vector<Hypothesis> best;
   double p_known = 0;
   for (const Hypothesis& hypothesis : all) {

@@ -62,9 +62,9 @@ class LoopCloser {
   const KeyframeMap& map() const { return map_; }
 
  private:
-  void require_next(const Keyframe& keyframe) const;
   MapKeyframe look_at(const Keyframe& keyframe, LoopCloserTimes& times) const;
-  std::vector<Hypothesis> recognise(const Observation& words, Belief& belief, LoopEvent& event) const;
+  Belief recognise(const Observation& words, LoopCloserTimes& times) const;
+  std::vector<Hypothesis> most_probable(const Belief& belief, LoopEvent& event) const;
   void remember(MapKeyframe keyframe, Belief belief);
   void link_to_earlier(LoopEvent& event);
   void verify(const std::vector<Hypothesis>& hypotheses, LoopEvent& event) const;

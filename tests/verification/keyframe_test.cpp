@@ -44,7 +44,7 @@ void expect_refused(const Keyframe& sound, const Refusal& refusal) {
   Keyframe keyframe = sound;
   refusal.spoil(keyframe);
   try {
-    validate(keyframe, test_camera());
+    validate(keyframe, test_camera(), DescriptorKind::Sift);
     ADD_FAILURE() << "not refused: " << refusal.says;
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("keyframe 12: "), std::string::npos) << error.what();
@@ -53,11 +53,11 @@ void expect_refused(const Keyframe& sound, const Refusal& refusal) {
 }
 
 TEST(Keyframe, SoundOnesPass) {
-  EXPECT_NO_THROW(validate(keyframe_of_three(), test_camera()));
-  EXPECT_NO_THROW(validate(keyframe_of_image(), test_camera()));
+  EXPECT_NO_THROW(validate(keyframe_of_three(), test_camera(), DescriptorKind::Sift));
+  EXPECT_NO_THROW(validate(keyframe_of_image(), test_camera(), DescriptorKind::Sift));
   Keyframe dark;  // an image without texture has no features
   dark.features.emplace();
-  EXPECT_NO_THROW(validate(dark, test_camera()));
+  EXPECT_NO_THROW(validate(dark, test_camera(), DescriptorKind::Sift));
 }
 
 TEST(Keyframe, EveryInconsistencyOfFeaturesIsRefused) {
@@ -65,6 +65,8 @@ TEST(Keyframe, EveryInconsistencyOfFeaturesIsRefused) {
       {"neither an image nor features", [](Keyframe& k) { k.features.reset(); }},
       {"an image and features", [](Keyframe& k) { k.image = keyframe_of_image().image; }},
       {"3 keypoints and 2 descriptors", [](Keyframe& k) { k.features->descriptors.pop_back(); }},
+      {"sift descriptors, these are orb", [](Keyframe& k) { k.features->descriptor_kind = DescriptorKind::Orb; }},
+      {"32-bit floats", [](Keyframe& k) { k.features->descriptors = cv::Mat::ones(3, 8, CV_8U); }},
       {"keypoint's pixel", [](Keyframe& k) { k.features->keypoints[1].pt.x = static_cast<float>(kNaN); }},
       {"not finite", [](Keyframe& k) { k.odom_from_body.translation.y() = kNaN; }},
       {"not finite", [](Keyframe& k) { k.odom_from_body.rotation.x() = kNaN; }},
