@@ -20,6 +20,7 @@ void add_recognize_command(CLI::App& program, const CommonOptions& common);
 void add_convert_command(CLI::App& program, const CommonOptions& common);
 void add_map_command(CLI::App& program, const CommonOptions& common);
 void add_optimize_command(CLI::App& program, const CommonOptions& common);
+void add_survey_command(CLI::App& program, const CommonOptions& common);
 void add_evaluate_command(CLI::App& program);
 
 }  // namespace fabloop::apps

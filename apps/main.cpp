@@ -34,6 +34,7 @@ int main(int argc, char** argv) {
   add_convert_command(program, common);
   add_map_command(program, common);
   add_optimize_command(program, common);
+  add_survey_command(program, common);
   add_evaluate_command(program);
 
   // We thread over images and candidates ourselves, so OpenCV's own threads would only compete.

@@ -49,6 +49,17 @@ EdgeInformation metric_edge_information(const Pose& match_from_query, const Matr
   return edge;
 }
 
+Matrix6d scaled_covariance(const RelativePose& relative, double baseline, double relative_sigma) {
+  const Eigen::Matrix3d query_from_match = relative.match_from_query.rotation.conjugate().toRotationMatrix();
+  Eigen::Matrix<double, 6, 5> from_relative = Eigen::Matrix<double, 6, 5>::Zero();
+  from_relative.bottomLeftCorner<3, 3>().setIdentity();
+  from_relative.topRightCorner<3, 2>() = baseline * query_from_match * relative.direction_basis;
+  Matrix6d covariance = from_relative * inverted(relative.information) * from_relative.transpose();
+  const Eigen::Vector3d along = query_from_match * relative.match_from_query.translation * (baseline * relative_sigma);
+  covariance.topLeftCorner<3, 3>() += along * along.transpose();
+  return covariance;
+}
+
 EdgeInformation direction_edge_information(const RelativePose& relative) {
   Matrix5d covariance = inverted(relative.information);
   EdgeInformation edge;

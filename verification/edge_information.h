@@ -21,6 +21,10 @@ struct EdgeInformation {
 EdgeInformation metric_edge_information(const Pose& match_from_query, const Eigen::Matrix<double, 6, 6>& covariance,
                                         double median_depth, double scale_sigma);
 
+/// Covariance of (translation, rotation), both in the query's axes, of a relative pose once its translation has a length that is
+/// known to `relative_sigma`.
+Eigen::Matrix<double, 6, 6> scaled_covariance(const RelativePose& relative, double baseline, double relative_sigma);
+
 /// Of a rotation and a direction: no information along the direction.
 EdgeInformation direction_edge_information(const RelativePose& relative);
 

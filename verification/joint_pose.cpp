@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "verification/levenberg_marquardt.h"
+#include "verification/median.h"
+#include "verification/residuals.h"
 
 namespace fabloop {
 namespace {
@@ -26,44 +28,35 @@ struct Residual {
   Eigen::Matrix<double, kRows, 6> jacobian;
 };
 
-Residual<1> ray_residual(const RayPair& pair, const Pose& match_from_query, const Eigen::Matrix3d& rotation) {
-  const Eigen::Matrix3d essential = cross_matrix(match_from_query.translation) * rotation;
-  const Eigen::Vector3d from_query = essential * pair.query;
-  const Eigen::Vector3d from_match = essential.transpose() * pair.match;
-  const double error = pair.match.dot(from_query);
-  const double gradient = std::sqrt(std::max(1e-24, from_query.squaredNorm() + from_match.squaredNorm() - 2.0 * error * error));
+Residual<1> ray_residual(const RayPair& pair, const Pose& match_from_query, const Eigen::Matrix3d& essential,
+                         const Eigen::Matrix3d& rotation) {
+  const EpipolarResidual epipolar = epipolar_residual(pair.query, pair.match, essential);
+  const EpipolarJacobian derivative =
+      epipolar_jacobian(epipolar, pair.query, pair.match, essential, rotation, match_from_query.translation);
   Residual<1> residual;
-  residual.value << error / gradient;
-  residual.jacobian.leftCols<3>() = ((rotation * pair.query).cross(pair.match).transpose() * rotation) / gradient;
-  residual.jacobian.rightCols<3>() = pair.query.cross(from_match).transpose() / gradient;
+  residual.value << epipolar.angle();
+  residual.jacobian << derivative.by_translation.transpose() * rotation, derivative.by_rotation.transpose();
   return residual;
 }
 
 /// The part of a point's direction across its ray, with the derivative of the point in the ray's camera given.
-Residual<2> direction_residual(const Eigen::Vector3d& x_in_camera, const Eigen::Vector3d& ray,
-                               const Eigen::Matrix<double, 3, 6>& point_jacobian) {
-  const double distance = x_in_camera.norm();
-  const Eigen::Vector3d direction = x_in_camera / distance;
-  Eigen::Matrix<double, 2, 3> across;
-  across.row(0) = ray.unitOrthogonal().transpose();
-  across.row(1) = ray.cross(Eigen::Vector3d(across.row(0).transpose())).transpose();
-  Residual<2> residual;
-  residual.value = across * direction;
-  residual.jacobian = across * (Eigen::Matrix3d::Identity() - direction * direction.transpose()) * point_jacobian / distance;
-  return residual;
+Residual<2> point_residual(const Eigen::Vector3d& x_in_camera, const Eigen::Vector3d& ray,
+                           const Eigen::Matrix<double, 3, 6>& point_jacobian) {
+  const DirectionResidual direction = direction_residual(x_in_camera, ray);
+  return {direction.value, direction.by_point * point_jacobian};
 }
 
 Residual<2> match_point_residual(const PointRay& datum, const Pose& match_from_query, const Eigen::Matrix3d& rotation) {
   const Eigen::Vector3d x_in_query = rotation.transpose() * (datum.point_in_world - match_from_query.translation);
   Eigen::Matrix<double, 3, 6> jacobian;
   jacobian << -Eigen::Matrix3d::Identity(), cross_matrix(x_in_query);
-  return direction_residual(x_in_query, datum.ray_in_camera, jacobian);
+  return point_residual(x_in_query, datum.ray_in_camera, jacobian);
 }
 
 Residual<2> query_point_residual(const PointRay& datum, const Pose& match_from_query, const Eigen::Matrix3d& rotation) {
   Eigen::Matrix<double, 3, 6> jacobian;
   jacobian << rotation, -rotation * cross_matrix(datum.point_in_world);
-  return direction_residual(match_from_query * datum.point_in_world, datum.ray_in_camera, jacobian);
+  return point_residual(match_from_query * datum.point_in_world, datum.ray_in_camera, jacobian);
 }
 
 /// Which data count, and how much.
@@ -93,10 +86,11 @@ std::vector<std::size_t> select(const Data& data, double max_error_rad, const Re
 
 Active select_inliers(const JointData& data, const Pose& pose, const JointPoseOptions& options) {
   const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
+  const Eigen::Matrix3d essential = essential_matrix(pose);
   Active active;
   Scatter ray_scatter, point_scatter;
   active.pairs = select(
-      data.pairs, options.max_ray_error_rad, [&](const RayPair& pair) { return ray_residual(pair, pose, rotation); },
+      data.pairs, options.max_ray_error_rad, [&](const RayPair& pair) { return ray_residual(pair, pose, essential, rotation); },
       ray_scatter);
   active.match_points = select(
       data.match_points, options.max_point_error_rad,
@@ -114,14 +108,12 @@ double median_depth(const JointData& data, const Active& active, const Pose& mat
   for (const std::size_t i : active.match_points)
     depths.push_back((data.match_points[i].point_in_world - match_from_query.translation).norm());
   for (const std::size_t i : active.query_points) depths.push_back(data.query_points[i].point_in_world.norm());
-  if (depths.empty()) return 0;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle;
+  return median(std::move(depths));
 }
 
 NormalEquations<6> linearise(const JointData& data, const Active& active, const Pose& pose, double min_baseline) {
   const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
+  const Eigen::Matrix3d essential = essential_matrix(pose);
   NormalEquations<6> normal;
   const auto add = [&normal](const auto& residual, double sigma_rad) {
     const double weight = 1.0 / (sigma_rad * sigma_rad);
@@ -130,7 +122,7 @@ NormalEquations<6> linearise(const JointData& data, const Active& active, const 
     normal.cost += weight * residual.value.squaredNorm();
   };
   if (pose.translation.norm() > min_baseline) {
-    for (const std::size_t i : active.pairs) add(ray_residual(data.pairs[i], pose, rotation), active.ray_sigma_rad);
+    for (const std::size_t i : active.pairs) add(ray_residual(data.pairs[i], pose, essential, rotation), active.ray_sigma_rad);
   }
   for (const std::size_t i : active.match_points)
     add(match_point_residual(data.match_points[i], pose, rotation), active.point_sigma_rad);

@@ -41,6 +41,13 @@ void for_each_column(const LoopEvent& event, std::size_t index, const Hypothesis
   visit("translation_sigma", v.translation_sigma);
   visit("rms_error_px", v.rms_error_px);
   visit("iterations", v.num_iterations);
+  visit("true_inliers", v.num_true);
+  visit("inlier_cells", v.inlier_cells);
+  visit("second_inliers", v.num_second_inliers);
+  visit("planar_lead", v.planar_lead);
+  visit("rotation_share", v.rotation_share);
+  visit("baseline_to_depth", v.baseline_to_depth);
+  visit("scale_sigma", v.scale_sigma);
   visit("session", event.session);
   visit("match_session", outcome.match_session);
 }

@@ -7,11 +7,19 @@
 
 namespace fabloop {
 
+/// Among which features a match is the best, and the second best was looked for.
+enum class RatioAmong {
+  All,       ///< Of the match view.
+  Band,      ///< Those near the epipolar line of a known pose.
+  SameWord,  ///< Those of one visual word.
+};
+
 /// A feature of the query and the feature of the match that looks most like it.
 struct Match {
   int query = 0;    ///< Index into the query's features.
   int match = 0;    ///< Index into the match's features.
   float ratio = 0;  ///< Distance to the best over distance to the second best: small is distinctive.
+  RatioAmong ratio_among = RatioAmong::All;
 };
 
 struct MatchingOptions {

@@ -1,19 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "verification/metric_pose.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "verification/absolute_pose.h"
+#include "verification/median.h"
 
 namespace fabloop {
 namespace {
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Points of one view with the other view's rays to them, in the order of the matches.
 template <typename PointIndex, typename RayIndex>

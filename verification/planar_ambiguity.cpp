@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "verification/planar_ambiguity.h"
 
+#include <algorithm>
 #include <opencv2/calib3d.hpp>
-#include <optional>
+#include <utility>
 #include <vector>
 
 namespace fabloop {
@@ -25,43 +26,53 @@ PlanePoints plane_points(std::span<const RayPair> pairs, std::span<const std::si
   return points;
 }
 
-std::optional<cv::Mat> homography_of_plane(std::span<const RayPair> pairs, const RelativePose& best, double max_error,
-                                           double min_planar_ratio) {
-  const PlanePoints points = plane_points(pairs, best.inliers);
-  constexpr std::size_t kMinPoints = 8;
-  if (points.query.size() < kMinPoints) return std::nullopt;
-  cv::Mat agrees;
-  const cv::Mat match_from_query = cv::findHomography(points.query, points.match, cv::RANSAC, max_error, agrees);
-  if (match_from_query.empty()) return std::nullopt;
-  if (cv::countNonZero(agrees) < min_planar_ratio * static_cast<double>(points.query.size())) return std::nullopt;
-  return match_from_query;
+bool differ(const Pose& a, const Pose& b, const PlanarAmbiguityOptions& options) {
+  return deg_from_rad(a.rotation.angularDistance(b.rotation)) > options.min_rotation_deg ||
+         deg_from_rad(angle_between(a.translation, b.translation)) > options.min_direction_deg;
 }
 
-}  // namespace
-
-bool has_planar_rival(std::span<const RayPair> pairs, const RelativePose& best, const RelativePoseOptions& pose_options,
-                      const PlanarAmbiguityOptions& options) {
-  const auto homography = homography_of_plane(pairs, best, 1.5 * pose_options.max_error_rad, options.min_planar_ratio);
-  if (!homography) return false;
+/// The up to four poses of a homography; their translations are unit directions.
+std::vector<Pose> poses_of(const cv::Mat& homography) {
   std::vector<cv::Mat> rotations, translations, normals;
-  cv::decomposeHomographyMat(*homography, cv::Mat::eye(3, 3, CV_64F), rotations, translations, normals);
+  cv::decomposeHomographyMat(homography, cv::Mat::eye(3, 3, CV_64F), rotations, translations, normals);
+  std::vector<Pose> poses;
   for (std::size_t k = 0; k < rotations.size(); ++k) {
     Eigen::Matrix3d rotation;
     for (int r = 0; r < 3; ++r) {
       for (int c = 0; c < 3; ++c) rotation(r, c) = rotations[k].at<double>(r, c);
     }
-    const Eigen::Vector3d translation(translations[k].at<double>(0), translations[k].at<double>(1),
-                                      translations[k].at<double>(2));
-    const auto rival = refine_relative_pose(pairs, {Eigen::Quaterniond(rotation).normalized(), translation}, pose_options);
-    if (!rival) continue;
-    const Pose& a = best.match_from_query;
-    const Pose& b = rival->match_from_query;
-    const bool differs = deg_from_rad(a.rotation.angularDistance(b.rotation)) > options.min_rotation_deg ||
-                         deg_from_rad(angle_between(a.translation, b.translation)) > options.min_direction_deg;
-    const double support = static_cast<double>(rival->inliers.size()) / static_cast<double>(best.inliers.size());
-    if (differs && support > options.min_support_ratio) return true;
+    const auto* const t = translations[k].ptr<double>();
+    poses.push_back({Eigen::Quaterniond(rotation).normalized(), Eigen::Vector3d(t[0], t[1], t[2])});
   }
-  return false;
+  return poses;
+}
+
+}  // namespace
+
+PlanarScene planar_scene(std::span<const RayPair> pairs, const RelativePose& best, const RelativePoseOptions& pose_options,
+                         const PlanarAmbiguityOptions& options) {
+  PlanarScene scene;
+  const PlanePoints points = plane_points(pairs, best.inliers);
+  constexpr std::size_t kMinPoints = 8;
+  if (points.query.size() < kMinPoints) return scene;
+  cv::Mat agrees;
+  const double max_error = 1.5 * pose_options.max_error_rad;  // a transfer has two components, a Sampson distance one
+  const cv::Mat homography = cv::findHomography(points.query, points.match, cv::RANSAC, max_error, agrees);
+  if (homography.empty()) return scene;
+  scene.planar_ratio = cv::countNonZero(agrees) / static_cast<double>(points.query.size());
+  if (scene.planar_ratio < options.min_planar_ratio) return scene;
+  for (const Pose& pose : poses_of(homography)) {
+    auto rival = refine_relative_pose(pairs, pose, pose_options);
+    if (!rival || rival->num_true < options.min_support_ratio * best.num_true) continue;
+    const bool known = !differ(rival->match_from_query, best.match_from_query, options) ||
+                       std::any_of(scene.rivals.begin(), scene.rivals.end(), [&](const RelativePose& other) {
+                         return !differ(rival->match_from_query, other.match_from_query, options);
+                       });
+    if (!known) scene.rivals.push_back(std::move(*rival));
+  }
+  std::stable_sort(scene.rivals.begin(), scene.rivals.end(),
+                   [](const RelativePose& a, const RelativePose& b) { return a.num_true > b.num_true; });
+  return scene;
 }
 
 }  // namespace fabloop

@@ -1,24 +1,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstddef>
 #include <span>
+#include <vector>
 
-#include "frontend/geometry/pose.h"
 #include "verification/relative_pose.h"
 
 namespace fabloop {
 
 struct PlanarAmbiguityOptions {
   double min_planar_ratio = 0.7;    ///< Share of the inliers that a plane must hold before the scene counts as planar.
-  double min_support_ratio = 0.75;  ///< Inliers that another pose must have, relative to the best, to be a rival.
+  double min_support_ratio = 0.75;  ///< True pairs that another pose must have, relative to the best, to be a rival.
   double min_rotation_deg = 3.0;    ///< Poses closer than this, and than `min_direction_deg`, are the same answer.
   double min_direction_deg = 10.0;
 };
 
-/// Whether a clearly different pose explains the inliers as well: two views of a plane have two poses (Longuet-Higgins 1986),
-/// both often in front of both cameras. The homography's decompositions are refined on the pairs and counted.
-bool has_planar_rival(std::span<const RayPair> pairs, const RelativePose& best, const RelativePoseOptions& pose_options,
-                      const PlanarAmbiguityOptions& options = {});
+/// What a plane explains of a pair of views.
+struct PlanarScene {
+  double planar_ratio = 0;  ///< Share of the inliers that one homography holds.
+  /// Clearly different poses that explain the matches nearly as well, best first: two views of a plane have two poses
+  /// (Longuet-Higgins 1986), both often in front of both cameras. A rival may have more support than the pose found first.
+  std::vector<RelativePose> rivals;
+};
+
+/// Fits a homography to the inliers of a pose, and refines and counts the poses that it decomposes into where it holds enough.
+/// Rays further than about 84 degrees off the axis have no place in a homography and are left out.
+PlanarScene planar_scene(std::span<const RayPair> pairs, const RelativePose& best, const RelativePoseOptions& pose_options,
+                         const PlanarAmbiguityOptions& options = {});
 
 }  // namespace fabloop

@@ -8,8 +8,10 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <random>
+#include <utility>
 #include <vector>
+
+#include "verification/prosac_sampler.h"
 
 namespace fabloop {
 
@@ -19,6 +21,7 @@ struct RansacOptions {
   double confidence = 0.999;  ///< Probability of having drawn one sample without outliers before stopping.
   int max_iterations = 1500;  ///< Bounds the time spent on data without a model.
   std::uint64_t seed = 0;
+  std::size_t min_inliers = 0;  ///< Models with fewer are of no use: the search ends once one with so many would have shown.
 };
 
 template <typename Model>
@@ -26,50 +29,6 @@ struct RansacResult {
   Model model;
   std::vector<std::size_t> inliers;  ///< Ascending.
   int iterations = 0;
-};
-
-/// Draws samples from the best data first and from all of them later: PROSAC (Chum & Matas, CVPR 2005), which assumes data
-/// sorted by quality, best first.
-template <std::size_t kSize>
-class ProsacSampler {
- public:
-  ProsacSampler(std::size_t num_data, int max_iterations, std::uint64_t seed)
-      : num_data_(num_data), subset_(kSize), draws_(max_iterations), random_(seed) {
-    for (std::size_t i = 0; i < kSize; ++i) draws_ *= static_cast<double>(kSize - i) / static_cast<double>(num_data - i);
-  }
-
-  std::array<std::size_t, kSize> next() {
-    ++iteration_;
-    if (iteration_ > static_cast<double>(grow_at_) && subset_ < num_data_) {  // eq. 3 and 4
-      const double more = draws_ * static_cast<double>(subset_ + 1) / static_cast<double>(subset_ + 1 - kSize);
-      grow_at_ += static_cast<std::int64_t>(std::ceil(more - draws_));
-      draws_ = more;
-      ++subset_;
-    }
-    std::array<std::size_t, kSize> sample{};
-    const bool with_newest = subset_ < num_data_;  // the newest datum and others before it
-    const std::size_t count = with_newest ? kSize - 1 : kSize;
-    for (std::size_t i = 0; i < count;) {
-      sample[i] = uniform(with_newest ? subset_ - 1 : subset_);
-      if (std::find(sample.begin(), sample.begin() + static_cast<std::ptrdiff_t>(i), sample[i]) ==
-          sample.begin() + static_cast<std::ptrdiff_t>(i)) {
-        ++i;
-      }
-    }
-    if (with_newest) sample[kSize - 1] = subset_ - 1;
-    return sample;
-  }
-
- private:
-  /// In [0, bound). The standard's distributions differ between libraries; this one is the same everywhere.
-  std::size_t uniform(std::size_t bound) { return static_cast<std::size_t>(random_() % bound); }
-
-  std::size_t num_data_;
-  std::size_t subset_;
-  double draws_;
-  std::int64_t grow_at_ = 1;
-  double iteration_ = 0;
-  std::mt19937_64 random_;
 };
 
 /// Truncated squared error (MSAC, Torr & Zisserman 2000), in units of the threshold; stops adding once above `bound`.
@@ -101,38 +60,119 @@ inline double needed_iterations(std::size_t num_inliers, std::size_t num_data, s
   return std::log(1.0 - confidence) / std::log1p(-p_good);
 }
 
+/// When PROSAC may stop (Chum & Matas 2005, section 2.2): the soonest over the whole of the sorted data and those of its
+/// prefixes that hold clearly more inliers than their share, each searched until a sample of its inliers has been drawn with
+/// the wanted confidence. Where the order says nothing no prefix stands out, and what is left is the usual rule. `inliers` are
+/// ascending.
+template <std::size_t kSize>
+double needed_iterations(const ProsacSampler<kSize>& sampler, const std::vector<std::size_t>& inliers, std::size_t num_data,
+                         double confidence) {
+  double needed = needed_iterations(inliers.size(), num_data, kSize, confidence);
+  constexpr std::size_t kMinPrefix = 20;
+  constexpr double kSigmas = 3.0;
+  const double share = static_cast<double>(inliers.size()) / static_cast<double>(num_data);
+  for (std::size_t k = kSize; k < inliers.size(); ++k) {
+    const std::size_t prefix = inliers[k] + 1;
+    if (prefix < kMinPrefix) continue;
+    const double expected = share * static_cast<double>(prefix);
+    if (static_cast<double>(k + 1) < expected + kSigmas * std::sqrt(expected * (1.0 - share))) continue;
+    needed = std::min(needed, sampler.iterations_for(needed_iterations(k + 1, prefix, kSize, confidence), prefix));
+  }
+  return needed;
+}
+
+/// What a minimal solver returns: `Problem::Candidate` where that is cheaper than a model, else the model itself.
+template <typename Problem>
+struct CandidateOf {
+  using Type = typename Problem::Model;
+  static constexpr std::size_t kBatchSize = 1;
+};
+template <typename Problem>
+  requires requires { typename Problem::Candidate; }
+struct CandidateOf<Problem> {
+  using Type = typename Problem::Candidate;
+  static constexpr std::size_t kBatchSize = Problem::kBatchSize;
+};
+
 /// Locally optimised RANSAC (Chum, Matas & Kittler 2003) over data sorted by quality. A Problem has: `Model`, `kSampleSize`,
 /// `size()`, `solve(sample) -> models`, `evaluator(model) -> (index -> squared error in radians)`, `refine(model, inliers) ->
 /// model`.
+///
+/// One whose solver takes several samples at once, or whose models are dear to make, has instead of solve(): `Candidate`,
+/// `kBatchSize`, `solve(samples) -> candidates`, `cost(candidate, bound)` as msac_cost(), and `model_of(candidate) ->
+/// optional model`.
+template <typename Problem>
+class Ransac {
+ public:
+  using Model = typename Problem::Model;
+
+  Ransac(const Problem& problem, const RansacOptions& options)
+      : problem_(problem), options_(options), sampler_(problem.size(), options.seed) {}
+
+  std::optional<RansacResult<Model>> run() {
+    constexpr std::size_t kBatch = CandidateOf<Problem>::kBatchSize;
+    double needed = options_.max_iterations;
+    if (options_.min_inliers > kSize) {
+      needed = std::min(needed, needed_iterations(options_.min_inliers, problem_.size(), kSize, options_.confidence));
+    }
+    const double hopeless = needed;
+    int iteration = 0;
+    for (; iteration < needed; iteration += static_cast<int>(kBatch)) {
+      if (!try_samples()) continue;
+      optimise_locally();
+      needed = std::min(hopeless, needed_iterations(sampler_, best_->inliers, problem_.size(), options_.confidence));
+    }
+    if (best_) best_->iterations = iteration;
+    return std::move(best_);
+  }
+
+ private:
+  static constexpr std::size_t kSize = Problem::kSampleSize;
+  static constexpr bool kHasCandidates = requires { typename Problem::Candidate; };
+
+  /// Whether one of the next samples' models is the best so far.
+  bool try_samples() {
+    bool improved = false;
+    if constexpr (kHasCandidates) {
+      std::array<std::array<std::size_t, kSize>, Problem::kBatchSize> samples;
+      for (auto& sample : samples) sample = sampler_.next();
+      for (const auto& candidate : problem_.solve(samples)) {
+        if (problem_.cost(candidate, best_cost_) >= best_cost_) continue;
+        const auto model = problem_.model_of(candidate);
+        improved |= model && consider(*model);
+      }
+    } else {
+      for (const Model& model : problem_.solve(sampler_.next())) improved |= consider(model);
+    }
+    return improved;
+  }
+
+  bool consider(const Model& model) {
+    const double cost = msac_cost(problem_, model, options_.max_error_rad, best_cost_);
+    if (cost >= best_cost_) return false;
+    best_cost_ = cost;
+    best_ = {model, inliers_of(problem_, model, options_.max_error_rad), 0};
+    return true;
+  }
+
+  void optimise_locally() {
+    constexpr int kMaxRounds = 4;
+    for (int round = 0; round < kMaxRounds && best_->inliers.size() > kSize; ++round) {
+      if (!consider(problem_.refine(best_->model, best_->inliers))) break;
+    }
+  }
+
+  const Problem& problem_;
+  const RansacOptions& options_;
+  ProsacSampler<kSize> sampler_;
+  std::optional<RansacResult<Model>> best_;
+  double best_cost_ = std::numeric_limits<double>::infinity();
+};
+
 template <typename Problem>
 std::optional<RansacResult<typename Problem::Model>> ransac(const Problem& problem, const RansacOptions& options) {
-  constexpr std::size_t kSize = Problem::kSampleSize;
-  if (problem.size() < kSize + 1) return std::nullopt;
-  ProsacSampler<kSize> sampler(problem.size(), options.max_iterations, options.seed);
-  std::optional<RansacResult<typename Problem::Model>> best;
-  double best_cost = std::numeric_limits<double>::infinity();
-  double needed = options.max_iterations;
-  const auto consider = [&](const typename Problem::Model& model) {
-    const double cost = msac_cost(problem, model, options.max_error_rad, best_cost);
-    if (cost >= best_cost) return false;
-    best_cost = cost;
-    best = {model, inliers_of(problem, model, options.max_error_rad), 0};
-    return true;
-  };
-  int iteration = 0;
-  for (; iteration < needed; ++iteration) {
-    bool improved = false;
-    for (const auto& model : problem.solve(sampler.next())) improved |= consider(model);
-    if (!improved) continue;
-    constexpr int kMaxLocalRounds = 4;
-    for (int round = 0; round < kMaxLocalRounds && best->inliers.size() > kSize; ++round) {
-      if (!consider(problem.refine(best->model, best->inliers))) break;
-    }
-    needed = std::min(static_cast<double>(options.max_iterations),
-                      needed_iterations(best->inliers.size(), problem.size(), kSize, options.confidence));
-  }
-  if (best) best->iterations = iteration;
-  return best;
+  if (problem.size() < Problem::kSampleSize + 1) return std::nullopt;
+  return Ransac<Problem>(problem, options).run();
 }
 
 }  // namespace fabloop

@@ -8,18 +8,18 @@
 #include <opengv/relative_pose/CentralRelativeAdapter.hpp>
 #include <opengv/relative_pose/methods.hpp>
 
+#include "verification/epipolar_cost.h"
+#include "verification/five_point.h"
+#include "verification/inlier_noise.h"
 #include "verification/levenberg_marquardt.h"
+#include "verification/median.h"
 #include "verification/ransac.h"
+#include "verification/residuals.h"
 
 namespace fabloop {
 namespace {
 
 using Vector5d = Eigen::Matrix<double, 5, 1>;
-
-/// E with match^T E query = 0.
-Eigen::Matrix3d essential_matrix(const Pose& match_from_query) {
-  return cross_matrix(match_from_query.translation) * match_from_query.rotation.toRotationMatrix();
-}
 
 /// Two unit vectors that span the plane across `direction`.
 Eigen::Matrix<double, 3, 2> tangent_basis(const Eigen::Vector3d& direction) {
@@ -29,47 +29,33 @@ Eigen::Matrix<double, 3, 2> tangent_basis(const Eigen::Vector3d& direction) {
   return basis;
 }
 
-/// Depths along both rays of their closest points; false when the rays meet behind a camera.
-bool in_front_of_both(const RayPair& pair, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation) {
-  const Eigen::Vector3d query_ray = rotation * pair.query;
-  const double cosine = query_ray.dot(pair.match);
-  const double a = pair.match.dot(translation);
-  const double b = query_ray.dot(translation);
-  // depth_match * match = translation + depth_query * query_ray, solved by least squares; the common positive factor is left out.
-  return a - cosine * b > 0 && cosine * a - b > 0;
-}
-
-/// Sampson distance of rays on the unit sphere: e / |tangential gradient of e|, in radians.
-struct EpipolarResidual {
-  double error = 0;
-  double gradient_norm = 0;
-};
-
-EpipolarResidual epipolar_residual(const RayPair& pair, const Eigen::Matrix3d& essential) {
-  const Eigen::Vector3d from_query = essential * pair.query;
-  const Eigen::Vector3d from_match = essential.transpose() * pair.match;
-  const double error = pair.match.dot(from_query);
-  const double squared = from_query.squaredNorm() + from_match.squaredNorm() - 2.0 * error * error;
-  return {error, std::sqrt(std::max(squared, 1e-24))};
+/// Whether rays meet in front of both cameras. Parallel ones, whose point is as good as infinitely far, do.
+bool in_front_of_both(const RayPair& pair, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& direction,
+                      double min_parallax_rad) {
+  const RayDepths depths = ray_depths(rotation * pair.query, pair.match, direction);
+  return depths.squared_sine < min_parallax_rad * min_parallax_rad || (depths.query > 0 && depths.match > 0);
 }
 
 /// Epipolar residuals with respect to (rotation in the query frame, direction's tangent plane), radians.
-NormalEquations<5> linearise(std::span<const RayPair> pairs, std::span<const std::size_t> indices, const Pose& match_from_query) {
+/// Each pair counts as much as `weights` says: all alike where there are none.
+NormalEquations<5> linearise(std::span<const RayPair> pairs, std::span<const std::size_t> indices, const Pose& match_from_query,
+                             std::span<const double> weights = {}) {
   const Eigen::Matrix<double, 3, 2> basis = tangent_basis(match_from_query.translation);
   const Eigen::Matrix3d essential = essential_matrix(match_from_query);
   const Eigen::Matrix3d rotation = match_from_query.rotation.toRotationMatrix();
   NormalEquations<5> normal;
   for (const std::size_t i : indices) {
     const RayPair& pair = pairs[i];
-    const EpipolarResidual residual = epipolar_residual(pair, essential);
-    const double weight = 1.0 / residual.gradient_norm;
+    const EpipolarResidual residual = epipolar_residual(pair.query, pair.match, essential);
+    const EpipolarJacobian derivative =
+        epipolar_jacobian(residual, pair.query, pair.match, essential, rotation, match_from_query.translation);
     Vector5d jacobian;
-    jacobian.head<3>() = weight * pair.query.cross(essential.transpose() * pair.match);
-    jacobian.tail<2>() = weight * (basis.transpose() * (rotation * pair.query).cross(pair.match));
-    const double value = weight * residual.error;
-    normal.hessian += jacobian * jacobian.transpose();
-    normal.gradient += value * jacobian;
-    normal.cost += value * value;
+    jacobian << derivative.by_rotation, basis.transpose() * derivative.by_translation;
+    const double value = residual.angle();
+    const double weight = weights.empty() ? 1.0 : weights[i];
+    normal.hessian.noalias() += (weight * jacobian) * jacobian.transpose();
+    normal.gradient.noalias() += weight * value * jacobian;
+    normal.cost += weight * value * value;
   }
   return normal;
 }
@@ -81,92 +67,171 @@ Pose moved(const Pose& match_from_query, const Vector5d& step) {
 }
 
 /// Minimises the Sampson distances of the given pairs.
-Pose minimise(std::span<const RayPair> pairs, std::span<const std::size_t> indices, const Pose& match_from_query, int max_steps) {
+Pose minimise(std::span<const RayPair> pairs, std::span<const std::size_t> indices, const Pose& match_from_query, int max_steps,
+              std::span<const double> weights = {}) {
   return levenberg_marquardt<5>(
-      match_from_query, [&](const Pose& pose) { return linearise(pairs, indices, pose); }, moved, max_steps);
+      match_from_query, [&](const Pose& pose) { return linearise(pairs, indices, pose, weights); }, moved, max_steps);
 }
 
-/// The poses of an essential matrix that see every pair of the sample in front of both cameras.
-void append_poses(const Eigen::Matrix3d& essential, std::span<const RayPair> pairs, const std::array<std::size_t, 5>& sample,
-                  std::vector<Pose>& poses) {
+/// The four poses of an essential matrix (Hartley & Zisserman 2004, result 9.19).
+std::array<Pose, 4> poses_of(const Eigen::Matrix3d& essential) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(essential, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Matrix3d u = svd.matrixU();
   Eigen::Matrix3d v = svd.matrixV();
   if (u.determinant() < 0) u = -u;
   if (v.determinant() < 0) v = -v;
   const Eigen::Matrix3d w = (Eigen::Matrix3d() << 0, -1, 0, 1, 0, 0, 0, 0, 1).finished();
-  for (const Eigen::Matrix3d& rotation :
-       {Eigen::Matrix3d(u * w * v.transpose()), Eigen::Matrix3d(u * w.transpose() * v.transpose())}) {
-    for (const double sign : {1.0, -1.0}) {
-      const Eigen::Vector3d translation = sign * u.col(2);
-      const bool in_front = std::all_of(sample.begin(), sample.end(),
-                                        [&](std::size_t i) { return in_front_of_both(pairs[i], rotation, translation); });
-      if (in_front) poses.push_back({Eigen::Quaterniond(rotation).normalized(), translation});
-    }
-  }
+  const auto a = Eigen::Quaterniond(Eigen::Matrix3d(u * w * v.transpose())).normalized();
+  const auto b = Eigen::Quaterniond(Eigen::Matrix3d(u * w.transpose() * v.transpose())).normalized();
+  const Eigen::Vector3d direction = u.col(2);
+  return {Pose{a, direction}, Pose{a, -direction}, Pose{b, direction}, Pose{b, -direction}};
 }
+
+/// An essential matrix with respect to which rays agree or not, row by row.
+using Essential = std::array<double, 9>;
 
 class RelativePoseProblem {
  public:
   using Model = Pose;
+  using Candidate = Essential;
   static constexpr std::size_t kSampleSize = 5;
+  static constexpr std::size_t kBatchSize = kFivePointLanes;
+  using Samples = std::array<std::array<std::size_t, kSampleSize>, kBatchSize>;
 
-  explicit RelativePoseProblem(std::span<const RayPair> pairs) : pairs_(pairs) {}
+  RelativePoseProblem(std::span<const RayPair> pairs, const RelativePoseOptions& options)
+      : pairs_(pairs), options_(options), data_(pairs.size()) {
+    for (std::size_t i = 0; i < pairs.size(); ++i) data_.set(i, pairs[i].query.data(), pairs[i].match.data());
+  }
 
   std::size_t size() const { return pairs_.size(); }
 
-  std::vector<Pose> solve(const std::array<std::size_t, kSampleSize>& sample) const {
-    opengv::bearingVectors_t match_rays, query_rays;
-    for (const std::size_t i : sample) {
-      match_rays.push_back(pairs_[i].match);
-      query_rays.push_back(pairs_[i].query);
-    }
-    opengv::relative_pose::CentralRelativeAdapter adapter(match_rays, query_rays);
-    std::vector<Pose> poses;
-    // OpenGV's essential matrices satisfy match^T E query = 0.
-    for (const auto& essential : opengv::relative_pose::fivept_nister(adapter)) {
-      if (essential.allFinite()) append_poses(essential, pairs_, sample, poses);
-    }
-    return poses;
+  std::vector<Essential> solve(const Samples& samples) const {
+    return options_.solver == FivePointSolver::OpenGv ? solve_by_opengv(samples) : solve_in_lanes(samples);
   }
 
+  double cost(const Essential& essential, double bound) const { return data_.cost(essential, options_.max_error_rad, bound); }
+
+  /// None when fewer inliers than a sample lie in front of both cameras.
+  std::optional<Pose> model_of(const Essential& essential) const {
+    const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> matrix(essential.data());
+    std::vector<std::size_t> inliers;
+    for (std::size_t i = 0; i < pairs_.size(); ++i) {
+      if (std::abs(epipolar_residual(pairs_[i].query, pairs_[i].match, matrix).angle()) < options_.max_error_rad) inliers.push_back(i);
+    }
+    return most_in_front(poses_of(matrix), inliers);
+  }
+
+  /// Pairs behind a camera are as far off as can be: of a plane's two poses often one alone has all in front.
   auto evaluator(const Pose& match_from_query) const {
-    return [this, essential = essential_matrix(match_from_query)](std::size_t i) {
-      const EpipolarResidual residual = epipolar_residual(pairs_[i], essential);
-      const double distance = residual.error / residual.gradient_norm;
-      return distance * distance;
+    return [this, essential = essential_matrix(match_from_query), rotation = match_from_query.rotation.toRotationMatrix(),
+            direction = match_from_query.translation](std::size_t i) {
+      const double angle = epipolar_residual(pairs_[i].query, pairs_[i].match, essential).angle();
+      const bool agrees = std::abs(angle) < options_.max_error_rad;
+      return agrees && !in_front_of_both(pairs_[i], rotation, direction, options_.max_error_rad) ? kPi : angle * angle;
     };
   }
 
   Pose refine(const Pose& match_from_query, const std::vector<std::size_t>& inliers) const {
     constexpr int kLocalSteps = 5;
-    return minimise(pairs_, inliers, match_from_query, kLocalSteps);
+    const Pose refined = minimise(pairs_, inliers, match_from_query, kLocalSteps);
+    // A poor start may have had the right essential matrix nearby, but another of its poses in front of the cameras.
+    return most_in_front(poses_of(essential_matrix(refined)), inliers).value_or(refined);
   }
 
  private:
+  std::optional<Pose> most_in_front(const std::array<Pose, 4>& poses, const std::vector<std::size_t>& inliers) const {
+    std::array<std::size_t, 4> in_front{};
+    for (std::size_t k = 0; k < poses.size(); ++k) {
+      const Eigen::Matrix3d rotation = poses[k].rotation.toRotationMatrix();
+      for (const std::size_t i : inliers) in_front[k] += in_front_of_both(pairs_[i], rotation, poses[k].translation, options_.max_error_rad);
+    }
+    const auto most = std::max_element(in_front.begin(), in_front.end());
+    if (*most < kSampleSize) return std::nullopt;
+    return poses[static_cast<std::size_t>(most - in_front.begin())];
+  }
+
+  std::vector<Essential> solve_in_lanes(const Samples& samples) const {
+    FivePointSamples rays;
+    for (std::size_t lane = 0; lane < kBatchSize; ++lane) {
+      for (std::size_t i = 0; i < kSampleSize; ++i) {
+        const RayPair& pair = pairs_[samples[lane][i]];
+        for (Eigen::Index k = 0; k < 3; ++k) {
+          rays.query[i][static_cast<std::size_t>(k)][lane] = pair.query(k);
+          rays.match[i][static_cast<std::size_t>(k)][lane] = pair.match(k);
+        }
+      }
+    }
+    const FivePointSolutions solutions = five_point(rays);
+    std::vector<Essential> essentials;
+    essentials.reserve(kBatchSize * kMaxFivePointSolutions);
+    for (std::size_t lane = 0; lane < kBatchSize; ++lane) {
+      const auto& found = solutions.essentials[lane];
+      essentials.insert(essentials.end(), found.begin(), found.begin() + static_cast<std::ptrdiff_t>(solutions.count[lane]));
+    }
+    return essentials;
+  }
+
+  std::vector<Essential> solve_by_opengv(const Samples& samples) const {
+    std::vector<Essential> essentials;
+    for (const auto& sample : samples) {
+      opengv::bearingVectors_t match_rays, query_rays;
+      for (const std::size_t i : sample) {
+        match_rays.push_back(pairs_[i].match);
+        query_rays.push_back(pairs_[i].query);
+      }
+      opengv::relative_pose::CentralRelativeAdapter adapter(match_rays, query_rays);
+      // OpenGV's essential matrices satisfy match^T E query = 0.
+      for (const auto& essential : opengv::relative_pose::fivept_nister(adapter)) {
+        if (!essential.allFinite()) continue;
+        Essential rows;
+        Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data()) = essential;
+        essentials.push_back(rows);
+      }
+    }
+    return essentials;
+  }
+
   std::span<const RayPair> pairs_;
+  const RelativePoseOptions& options_;
+  EpipolarData data_;
 };
 
-/// Inliers in front of both cameras.
-std::vector<std::size_t> seen_inliers(const RelativePoseProblem& problem, std::span<const RayPair> pairs,
-                                      const Pose& match_from_query, double max_error_rad) {
-  std::vector<std::size_t> inliers = inliers_of(problem, match_from_query, max_error_rad);
+/// The noise of the pairs about a pose; those behind a camera are no inliers.
+InlierNoise noise_about(std::span<const RayPair> pairs, const Pose& match_from_query, double max_error_rad) {
+  const Eigen::Matrix3d essential = essential_matrix(match_from_query);
   const Eigen::Matrix3d rotation = match_from_query.rotation.toRotationMatrix();
-  std::erase_if(inliers, [&](std::size_t i) { return !in_front_of_both(pairs[i], rotation, match_from_query.translation); });
-  return inliers;
+  std::vector<double> residuals_rad(pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    residuals_rad[i] = epipolar_residual(pairs[i].query, pairs[i].match, essential).angle();
+    const bool agrees = std::abs(residuals_rad[i]) < max_error_rad;
+    if (agrees && !in_front_of_both(pairs[i], rotation, match_from_query.translation, max_error_rad)) {
+      residuals_rad[i] = kPi;
+    }
+  }
+  return estimate_inlier_noise(residuals_rad, max_error_rad, 5);
 }
 
+std::vector<std::size_t> where_possible(const std::vector<double>& p_true) {
+  std::vector<std::size_t> indices;
+  for (std::size_t i = 0; i < p_true.size(); ++i) {
+    if (p_true[i] > 0) indices.push_back(i);
+  }
+  return indices;
+}
+
+/// Refines by expectation maximisation: which pairs are true, and the pose that these tell, in turn.
 std::optional<RelativePose> finish(std::span<const RayPair> pairs, Pose match_from_query, const RelativePoseOptions& options,
                                    int iterations) {
-  const RelativePoseProblem problem(pairs);
-  constexpr int kRounds = 3;
+  constexpr int kRounds = 4;
   constexpr int kSteps = 20;
   constexpr std::size_t kMinInliers = 6;
-  std::vector<std::size_t> inliers = seen_inliers(problem, pairs, match_from_query, options.max_error_rad);
+  InlierNoise noise = noise_about(pairs, match_from_query, options.max_error_rad);
+  std::vector<std::size_t> inliers = where_possible(noise.p_true);
   for (int round = 0; round < kRounds && inliers.size() >= kMinInliers; ++round) {
-    match_from_query = minimise(pairs, inliers, match_from_query, kSteps);
-    auto next = seen_inliers(problem, pairs, match_from_query, options.max_error_rad);
-    const bool settled = next == inliers;
+    match_from_query = minimise(pairs, inliers, match_from_query, kSteps, noise.p_true);
+    noise = noise_about(pairs, match_from_query, options.max_error_rad);
+    auto next = where_possible(noise.p_true);
+    const bool settled = round > 0 && next == inliers;
     inliers = std::move(next);
     if (settled) break;
   }
@@ -174,10 +239,10 @@ std::optional<RelativePose> finish(std::span<const RayPair> pairs, Pose match_fr
   RelativePose result;
   result.match_from_query = match_from_query;
   result.direction_basis = tangent_basis(match_from_query.translation);
-  const NormalEquations<5> normal = linearise(pairs, inliers, match_from_query);
-  const double variance = normal.cost / static_cast<double>(inliers.size() - 5);
-  result.information = normal.hessian / std::max(variance, 1e-14);
-  result.rms_error_rad = std::sqrt(normal.cost / static_cast<double>(inliers.size()));
+  const NormalEquations<5> normal = linearise(pairs, inliers, match_from_query, noise.p_true);
+  result.information = normal.hessian / (noise.sigma_rad * noise.sigma_rad);
+  result.noise_rad = noise.sigma_rad;
+  result.num_true = noise.num_true;
   result.inliers = std::move(inliers);
   result.iterations = iterations;
   return result;
@@ -186,8 +251,9 @@ std::optional<RelativePose> finish(std::span<const RayPair> pairs, Pose match_fr
 }  // namespace
 
 std::optional<RelativePose> estimate_relative_pose(std::span<const RayPair> pairs, const RelativePoseOptions& options) {
-  const RelativePoseProblem problem(pairs);
-  const auto best = ransac(problem, {options.max_error_rad, options.confidence, options.max_iterations, options.seed});
+  const RelativePoseProblem problem(pairs, options);
+  const auto best = ransac(
+      problem, {options.max_error_rad, options.confidence, options.max_iterations, options.seed, options.min_inliers});
   if (!best) return std::nullopt;
   return finish(pairs, best->model, options, best->iterations);
 }
@@ -198,17 +264,37 @@ std::optional<RelativePose> refine_relative_pose(std::span<const RayPair> pairs,
   return finish(pairs, {match_from_query.rotation, match_from_query.translation.normalized()}, options, 0);
 }
 
+RotationFit fit_rotation(std::span<const RayPair> pairs, std::span<const std::size_t> indices, double max_error_rad) {
+  RotationFit fit;
+  if (indices.empty()) return fit;
+  constexpr int kRounds = 5;
+  for (int round = 0; round < kRounds; ++round) {
+    Eigen::Matrix3d correlation = Eigen::Matrix3d::Zero();
+    for (const std::size_t i : indices) {
+      // Cauchy's weight, from the second round on.
+      const double error = round == 0 ? 0 : angle_between(fit.match_from_query * pairs[i].query, pairs[i].match) / max_error_rad;
+      correlation += pairs[i].match * pairs[i].query.transpose() / (1.0 + error * error);
+    }
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(correlation, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Eigen::Vector3d signs(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant());
+    fit.match_from_query = Eigen::Quaterniond(
+        Eigen::Matrix3d(svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose())).normalized();
+  }
+  std::size_t num_within = 0;
+  for (const std::size_t i : indices)
+    num_within += angle_between(fit.match_from_query * pairs[i].query, pairs[i].match) < max_error_rad;
+  fit.share = static_cast<double>(num_within) / static_cast<double>(indices.size());
+  return fit;
+}
+
 double median_parallax(std::span<const RayPair> pairs, std::span<const std::size_t> indices, const Pose& match_from_query) {
-  if (indices.empty()) return 0;
   std::vector<double> angles;
   angles.reserve(indices.size());
   for (const std::size_t i : indices) {
     const Eigen::Vector3d query_ray = match_from_query.rotation * pairs[i].query;
     angles.push_back(angle_between(query_ray, pairs[i].match));
   }
-  const auto middle = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 2);
-  std::nth_element(angles.begin(), middle, angles.end());
-  return *middle;
+  return median(std::move(angles));
 }
 
 }  // namespace fabloop

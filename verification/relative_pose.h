@@ -18,11 +18,19 @@ struct RayPair {
   Eigen::Vector3d match;  ///< Unit, match camera.
 };
 
+/// Who solves for five pairs. Both find the same essential matrices.
+enum class FivePointSolver {
+  Lanes,   ///< Four samples at once in the lanes of a vector; see five_point.h.
+  OpenGv,  ///< OpenGV's `fivept_nister`: the reference, about twenty times slower.
+};
+
 struct RelativePoseOptions {
   double max_error_rad = 0.004;  ///< Distance from the epipolar plane (about 2 px over 500 px of focal length).
   double confidence = 0.999;     ///< Of having drawn one sample without outliers.
-  int max_iterations = 1500;     ///< Bounds the time spent on pairs that have no pose.
+  int max_iterations = 10000;    ///< Bounds the time spent on pairs that have no pose.
   std::uint64_t seed = 0;
+  std::size_t min_inliers = 0;  ///< Poses with fewer are of no use, and not looked for.
+  FivePointSolver solver = FivePointSolver::Lanes;
 };
 
 /// How two views relate up to scale.
@@ -31,7 +39,8 @@ struct RelativePose {
   std::vector<std::size_t> inliers;             ///< Indices of agreeing pairs in front of both cameras, ascending.
   Eigen::Matrix<double, 5, 5> information;      ///< Of (rotation in the query frame, direction on its tangent plane), 1/rad^2.
   Eigen::Matrix<double, 3, 2> direction_basis;  ///< The tangent plane's axes in the match frame.
-  double rms_error_rad = 0;                     ///< Of the inliers.
+  double noise_rad = 0;                         ///< Standard deviation of the true inliers' distances; see inlier_noise.h.
+  double num_true = 0;                          ///< Expected number of true ones among the inliers.
   int iterations = 0;
 };
 
@@ -42,6 +51,16 @@ std::optional<RelativePose> estimate_relative_pose(std::span<const RayPair> pair
 /// Refines a known pose (an odometry's, say) on the pairs that agree with it; none when fewer than six do.
 std::optional<RelativePose> refine_relative_pose(std::span<const RayPair> pairs, const Pose& match_from_query,
                                                  const RelativePoseOptions& options = {});
+
+/// The rotation alone that maps the query's rays onto the match's best (Kabsch 1976), robustly: what is left between two views
+/// without a baseline.
+struct RotationFit {
+  Eigen::Quaterniond match_from_query = Eigen::Quaterniond::Identity();
+  double share = 0;  ///< Of the given pairs, how many lie within the threshold.
+};
+
+/// Fits a rotation to the given pairs; those far off lose their say in a few rounds.
+RotationFit fit_rotation(std::span<const RayPair> pairs, std::span<const std::size_t> indices, double max_error_rad);
 
 /// Median angle between the rays of the given pairs once the rotation between the views is undone, radians.
 double median_parallax(std::span<const RayPair> pairs, std::span<const std::size_t> indices, const Pose& match_from_query);

@@ -2,16 +2,19 @@
 #include "verification/verifier.h"
 
 #include <algorithm>
-#include <opencv2/imgproc.hpp>
+#include <cmath>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "verification/edge_information.h"
 #include "verification/evidence.h"
+#include "verification/inlier_spread.h"
 #include "verification/joint_pose.h"
+#include "verification/median.h"
 #include "verification/metric_pose.h"
-#include "verification/planar_ambiguity.h"
 #include "verification/relative_pose.h"
+#include "verification/residuals.h"
 
 namespace fabloop {
 namespace {
@@ -27,27 +30,8 @@ std::vector<RayPair> ray_pairs(const View& query, const View& match, const std::
   return pairs;
 }
 
-/// Share of an image inside the convex hull of some of its keypoints. The tenth furthest from their middle is left out: a few
-/// accidental inliers must not widen it.
-template <typename Index>
-double hull_share(const View& view, const std::vector<Match>& inliers, Index index) {
-  std::vector<cv::Point2f> points;
-  for (const Match& inlier : inliers) points.push_back(view.features.keypoints[static_cast<std::size_t>(inlier.*index)].pt);
-  const auto middle = points.begin() + static_cast<std::ptrdiff_t>(points.size() / 2);
-  std::nth_element(points.begin(), middle, points.end(), [](const auto& a, const auto& b) { return a.x < b.x; });
-  const float x = middle->x;
-  std::nth_element(points.begin(), middle, points.end(), [](const auto& a, const auto& b) { return a.y < b.y; });
-  const cv::Point2f centre(x, middle->y);
-  std::sort(points.begin(), points.end(),
-            [&](const auto& a, const auto& b) { return cv::norm(a - centre) < cv::norm(b - centre); });
-  points.resize(points.size() - points.size() / 10);
-  std::vector<cv::Point2f> hull;
-  cv::convexHull(points, hull);
-  return cv::contourArea(hull) / (static_cast<double>(view.camera.width) * view.camera.height);
-}
-
 /// Whether the points of the match and those of the query tell the same pose, as far as both are known.
-bool sides_agree(const MetricPoses& poses, const VerifierOptions& options) {
+bool sides_agree(const MetricPoses& poses, double field_of_view_rad, const VerifierOptions& options) {
   if (!poses.from_match_points || !poses.from_query_points) return true;
   const Pose& a = poses.from_match_points->match_from_query;
   const Pose& b = poses.from_query_points->match_from_query;
@@ -56,7 +40,7 @@ bool sides_agree(const MetricPoses& poses, const VerifierOptions& options) {
   const double allowed = kSigmas * (options.max_translation_sigma * best.median_depth +
                                     options.scale_sigma * best.match_from_query.translation.norm());
   return (a.translation - b.translation).norm() < allowed &&
-         deg_from_rad(a.rotation.angularDistance(b.rotation)) < kSigmas * options.max_rotation_sigma_deg;
+         a.rotation.angularDistance(b.rotation) < kSigmas * options.max_rotation_sigma * field_of_view_rad;
 }
 
 /// Every match of the two views, with the points that either side knows.
@@ -71,85 +55,105 @@ JointData joint_data(const View& query, const View& match, const std::vector<Mat
   return data;
 }
 
-/// The verdict on a metric pose that was refined on everything, and what the loop states: a distance too vague against the
-/// depth is left out, the direction stays.
-void decide_metric(const MetricPoses& poses, const JointPose& joint, const VerifierOptions& options, Verification& result) {
+/// Largest number of inliers that the matches left by a pose have for another one.
+int second_support(std::span<const RayPair> pairs, const RelativePose& first, const RelativePoseOptions& pose_options,
+                   const VerifierOptions& options) {
+  std::vector<RayPair> left;
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (next < first.inliers.size() && first.inliers[next] == i) {
+      ++next;
+    } else {
+      left.push_back(pairs[i]);
+    }
+  }
+  RelativePoseOptions second = pose_options;
+  second.min_inliers = static_cast<std::size_t>(std::ceil(options.max_second_support * first.num_true));
+  if (left.size() < std::max<std::size_t>(second.min_inliers, 6)) return 0;
+  const auto other = estimate_relative_pose(left, second);
+  return other ? static_cast<int>(other->inliers.size()) : 0;
+}
+
+double field_of_view_rad(const Camera& camera) {
+  const double half_diagonal_px = 0.5 * std::hypot(camera.width, camera.height);
+  return 2.0 * std::atan(half_diagonal_px / camera.focal_px());
+}
+
+/// States the distance, or where it is too vague against the depth the direction alone.
+void state_distance(const EdgeInformation& edge, double distance, double relative_sigma, double median_depth,
+                    const VerifierOptions& options, Verification& result) {
+  result.has_scale = relative_sigma * distance <= options.max_distance_sigma * median_depth;
+  result.scale_sigma = result.has_scale ? relative_sigma : 0;
+  result.information = edge.information;
+  if (result.has_scale) return;
+  result.information = without_scale(edge.information, result.match_from_query);
+  result.match_from_query.translation /= distance;
+}
+
+/// Without parallax: the pose from known points, refined on rays and points together.
+void decide_by_points(const View& query, const View& match, const std::vector<Match>& matches, const std::vector<RayPair>& pairs,
+                      const RelativePoseOptions& pose_options, const VerifierOptions& options, Verification& result) {
+  const double max_point_error_rad = options.max_point_error_px / match.camera.focal_px();
+  const MetricPoses metric =
+      estimate_metric_poses(query, match, result.inliers,
+                            {options.scale.min_points, options.max_point_error_px, options.confidence, pose_options.seed});
+  result.verdict = Verdict::NoParallax;
+  if (!metric.best()) return;
+  const JointPose joint = refine_joint_pose(joint_data(query, match, matches, pairs), metric.best()->match_from_query,
+                                            {pose_options.max_error_rad, max_point_error_rad});
   const EdgeInformation edge =
       metric_edge_information(joint.match_from_query, joint.covariance, joint.median_depth, options.scale_sigma);
-  result.has_scale = true;
   result.match_from_query = joint.match_from_query;
-  result.information = edge.information;
   result.num_point_inliers = static_cast<int>(joint.num_point_inliers);
   result.rotation_sigma_deg = deg_from_rad(edge.rotation_sigma_rad);
   result.translation_sigma = edge.translation_sigma / joint.median_depth;
+  const double distance = joint.match_from_query.translation.norm();
+  result.baseline_to_depth = distance / joint.median_depth;
   const bool rays_agree = static_cast<double>(joint.pair_inliers.size()) >= options.min_ray_inlier_ratio * result.num_inliers;
   const bool points_agree =
-      poses.best()->inlier_ratio >= options.min_point_inlier_ratio && result.num_point_inliers >= options.min_points;
-  if (!rays_agree || !points_agree || !sides_agree(poses, options)) {
-    result.verdict = Verdict::ScaleDisagrees;
-    return;
-  }
-  const bool vague =
-      result.rotation_sigma_deg > options.max_rotation_sigma_deg || result.translation_sigma > options.max_translation_sigma;
-  result.verdict = vague ? Verdict::PoorlyConstrained : Verdict::Accepted;
-  const double distance = joint.match_from_query.translation.norm();
-  if (options.scale_sigma * distance > options.max_distance_sigma * joint.median_depth) {
-    result.has_scale = false;
-    result.match_from_query.translation /= distance;
-    result.information = without_scale(edge.information, joint.match_from_query);
-  }
+      metric.best()->inlier_ratio >= options.min_point_inlier_ratio && result.num_point_inliers >= options.scale.min_points;
+  state_distance(edge, distance, options.scale_sigma, joint.median_depth, options, result);
+  const bool agree = rays_agree && points_agree && sides_agree(metric, field_of_view_rad(match.camera), options);
+  result.verdict = agree ? Verdict::Accepted : Verdict::ScaleDisagrees;
 }
 
-void decide_direction(std::span<const RayPair> pairs, const RelativePose& relative, const RelativePoseOptions& pose_options,
-                      const VerifierOptions& options, Verification& result) {
-  const EdgeInformation edge = direction_edge_information(relative);
-  result.has_scale = false;
-  result.match_from_query = relative.match_from_query;
-  result.information = edge.information;
-  result.rotation_sigma_deg = deg_from_rad(edge.rotation_sigma_rad);
-  result.translation_sigma = edge.translation_sigma;
-  if (result.median_parallax_deg < options.min_parallax_deg) {
-    result.verdict = Verdict::NoParallax;
-  } else if (has_planar_rival(pairs, relative, pose_options)) {
-    result.verdict = Verdict::AmbiguousPose;
-  } else {
-    const bool vague = result.rotation_sigma_deg > options.max_rotation_sigma_deg ||
-                       deg_from_rad(result.translation_sigma) > options.max_direction_sigma_deg;
-    result.verdict = vague ? Verdict::PoorlyConstrained : Verdict::Accepted;
+/// Median depth of the inliers from the match, with a baseline of one.
+double depth_per_baseline(std::span<const RayPair> pairs, const RelativePose& relative) {
+  std::vector<double> depths;
+  for (const std::size_t i : relative.inliers) {
+    const Eigen::Vector3d query_ray = relative.match_from_query.rotation * pairs[i].query;
+    const RayDepths found = ray_depths(query_ray, pairs[i].match, relative.match_from_query.translation);
+    if (found.squared_sine > 0) depths.push_back(found.match / found.squared_sine);
   }
+  return median(std::move(depths));
+}
+
+/// With parallax: rotation and direction from the rays, the length from the points where they tell one.
+void decide_by_rays(std::span<const RayPair> pairs, const PoseCandidate& chosen, const VerifierOptions& options,
+                    Verification& result) {
+  const RelativePose& relative = chosen.relative;
+  const EdgeInformation direction = direction_edge_information(relative);
+  const double depth = depth_per_baseline(pairs, relative);
+  result.match_from_query = relative.match_from_query;
+  result.rotation_sigma_deg = deg_from_rad(direction.rotation_sigma_rad);
+  result.translation_sigma = direction.translation_sigma / depth;
+  result.baseline_to_depth = 1.0 / depth;
+  result.information = direction.information;
+  result.verdict = Verdict::Accepted;
+  if (chosen.scale) {
+    const Scale& scale = *chosen.scale;
+    const double relative_sigma = std::hypot(scale.relative_sigma, options.scale_sigma);
+    result.num_point_inliers = scale.num_points;
+    result.match_from_query.translation *= scale.baseline;
+    const EdgeInformation edge =
+        metric_edge_information(result.match_from_query, scaled_covariance(relative, scale.baseline, scale.relative_sigma),
+                                scale.median_depth, options.scale_sigma);
+    state_distance(edge, scale.baseline, relative_sigma, scale.median_depth, options, result);
+  }
+  if (!result.has_scale && direction.translation_sigma > options.max_direction_sigma) result.verdict = Verdict::PoorlyConstrained;
 }
 
 }  // namespace
-
-std::string_view to_string(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::Accepted:
-      return "Accepted";
-    case Verdict::TooFewMatches:
-      return "TooFewMatches";
-    case Verdict::NoPose:
-      return "NoPose";
-    case Verdict::TooFewInliers:
-      return "TooFewInliers";
-    case Verdict::AccidentalInliers:
-      return "AccidentalInliers";
-    case Verdict::InliersInCorner:
-      return "InliersInCorner";
-    case Verdict::NoParallax:
-      return "NoParallax";
-    case Verdict::AmbiguousPose:
-      return "AmbiguousPose";
-    case Verdict::ScaleDisagrees:
-      return "ScaleDisagrees";
-    case Verdict::PoorlyConstrained:
-      return "PoorlyConstrained";
-    case Verdict::Unconfirmed:
-      return "Unconfirmed";
-    case Verdict::ContradictsMap:
-      return "ContradictsMap";
-  }
-  return "";
-}
 
 std::uint64_t pair_seed(std::uint64_t seed, std::size_t query, std::size_t match) {
   std::uint64_t state = seed;
@@ -162,7 +166,7 @@ std::uint64_t pair_seed(std::uint64_t seed, std::size_t query, std::size_t match
   return state;
 }
 
-Verification Verifier::verify(const View& query, const View& match) const {
+Verification Verifier::verify(const View& query, const View& match, const std::optional<PosePrior>& prior) const {
   Verification result;
   const std::vector<Match> matches = match_features(query.features, match.features, options_.matching);
   result.num_matches = static_cast<int>(matches.size());
@@ -174,37 +178,52 @@ Verification Verifier::verify(const View& query, const View& match) const {
   pose_options.confidence = options_.confidence;
   pose_options.max_iterations = options_.max_iterations;
   pose_options.seed = pair_seed(options_.seed, query.frame, match.frame);
-  const auto relative = estimate_relative_pose(pairs, pose_options);
+  pose_options.min_inliers = static_cast<std::size_t>(std::max(0, options_.min_inliers));
+  auto best = estimate_relative_pose(pairs, pose_options);
   result.verdict = Verdict::NoPose;
-  if (!relative) return result;
+  if (!best) return result;
+  result.num_iterations = best->iterations;
+  const auto candidates =
+      pose_candidates(query, match, matches, pairs, std::move(*best), pose_options, options_.scale, prior);
+  const PoseCandidate& chosen = candidates.front();
+  const RelativePose& relative = chosen.relative;
 
-  for (const std::size_t i : relative->inliers) result.inliers.push_back(matches[i]);
-  result.num_inliers = static_cast<int>(relative->inliers.size());
-  result.num_iterations = relative->iterations;
-  result.rms_error_px = relative->rms_error_rad * match.camera.focal_px();
-  result.median_parallax_deg = deg_from_rad(median_parallax(pairs, relative->inliers, relative->match_from_query));
+  for (const std::size_t i : relative.inliers) result.inliers.push_back(matches[i]);
+  result.match_from_query = relative.match_from_query;
+  result.num_inliers = static_cast<int>(relative.inliers.size());
+  result.num_true = relative.num_true;
+  result.rms_error_px = relative.noise_rad * match.camera.focal_px();
+  result.median_parallax_deg = deg_from_rad(median_parallax(pairs, relative.inliers, relative.match_from_query));
   const double p_accident = p_accidental_epipolar_match(match.camera.width, match.camera.height, options_.max_error_px);
-  result.log10_false_alarms = log10_false_alarms(pairs.size(), relative->inliers.size(), 5, p_accident, kFivePointModels);
+  result.log10_false_alarms = log10_false_alarms(pairs.size(), relative.inliers.size(), 5, p_accident, kFivePointModels);
   result.verdict = Verdict::TooFewInliers;
   if (result.num_inliers < options_.min_inliers) return result;
   result.verdict = Verdict::AccidentalInliers;
   if (result.log10_false_alarms > options_.max_log10_false_alarms) return result;
 
-  result.inlier_area =
-      std::min(hull_share(query, result.inliers, &Match::query), hull_share(match, result.inliers, &Match::match));
+  const InlierSpread spread = inlier_spread(query, match, result.inliers);
+  result.inlier_area = std::min(spread.query.hull_share, spread.match.hull_share);
+  result.inlier_cells = std::min(spread.query.cell_share, spread.match.cell_share);
   result.verdict = Verdict::InliersInCorner;
   if (result.inlier_area < options_.min_inlier_area) return result;
 
-  const MetricPoses metric = estimate_metric_poses(
-      query, match, result.inliers, {options_.min_points, options_.max_point_error_px, options_.confidence, pose_options.seed});
-  if (metric.best()) {
-    const JointPose joint =
-        refine_joint_pose(joint_data(query, match, matches, pairs), metric.best()->match_from_query,
-                          {pose_options.max_error_rad, options_.max_point_error_px / match.camera.focal_px()});
-    decide_metric(metric, joint, options_, result);
+  result.num_second_inliers = second_support(pairs, relative, pose_options, options_);
+  result.verdict = Verdict::RepeatedTexture;
+  if (result.num_second_inliers >= options_.max_second_support * result.num_true) return result;
+
+  result.rotation_share = fit_rotation(pairs, relative.inliers, 2.0 * pose_options.max_error_rad).share;
+  if (result.rotation_share > options_.max_rotation_share) {
+    decide_by_points(query, match, matches, pairs, pose_options, options_, result);
   } else {
-    decide_direction(pairs, *relative, pose_options, options_, result);
+    if (candidates.size() > 1) result.planar_lead = chosen.score - candidates[1].score;
+    result.verdict = Verdict::AmbiguousPose;
+    if (candidates.size() > 1 && result.planar_lead < kMinLead) return result;
+    decide_by_rays(pairs, chosen, options_, result);
   }
+  const bool vague =
+      rad_from_deg(result.rotation_sigma_deg) > options_.max_rotation_sigma * field_of_view_rad(match.camera) ||
+      result.translation_sigma > options_.max_translation_sigma;
+  if (result.verdict == Verdict::Accepted && vague) result.verdict = Verdict::PoorlyConstrained;
   return result;
 }
 

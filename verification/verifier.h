@@ -5,33 +5,17 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <string_view>
+#include <optional>
 #include <vector>
 
 #include "frontend/geometry/pose.h"
 #include "verification/matching.h"
+#include "verification/pose_choice.h"
+#include "verification/scale.h"
+#include "verification/verdict.h"
 #include "verification/view.h"
 
 namespace fabloop {
-
-/// Every way in which a hypothesis can end. The first gate that fails names it.
-enum class Verdict {
-  Accepted,
-  TooFewMatches,      ///< Too few features of the two views look alike.
-  NoPose,             ///< No relative pose explains even a handful of the matches.
-  TooFewInliers,      ///< Fewer matches agree with the best pose than asked for.
-  AccidentalInliers,  ///< As many would agree by accident.
-  InliersInCorner,    ///< The inliers cover too little of either image: the views touch rather than overlap.
-  NoParallax,         ///< The views differ by a rotation, and no depth tells how far apart they are.
-  AmbiguousPose,      ///< A different pose explains the same matches as well: a plane seen without depth.
-  ScaleDisagrees,     ///< The known points and the rays alone give different poses.
-  PoorlyConstrained,  ///< The inliers leave the pose too uncertain: they lie in a corner, say.
-  Unconfirmed,        ///< Proved, but not yet seen by enough consecutive queries. Only a loop closer can tell.
-  ContradictsMap,     ///< Proved by its images, but the rest of the map says otherwise. Only a map can tell.
-};
-
-/// The enumerator's name.
-std::string_view to_string(Verdict verdict);
 
 struct VerifierOptions {
   MatchingOptions matching;
@@ -43,22 +27,27 @@ struct VerifierOptions {
   double max_point_error_px = 4.0;
   double max_log10_false_alarms = -3.0;  ///< Accepted accidents: at most one pair in 1000 of accidental matches.
   /// Least share of either image that the inliers' convex hull covers. Pairs that merely touch leave the pose to a few pixels.
-  double min_inlier_area = 0.07;
-  int min_points = 12;                  ///< Inliers with known depth from which scale is taken.
+  double min_inlier_area = 0.03;
+  /// Another pose that so large a share of as many of the left matches agree with makes the texture a repeated one.
+  double max_second_support = 0.6;
+  /// Inliers that a rotation alone may explain, as a share: above it the views have no parallax.
+  double max_rotation_share = 0.8;
+  ScaleOptions scale;
+  // Where there is no parallax, the pose comes from known points alone:
   double min_point_inlier_ratio = 0.5;  ///< Of the epipolar inliers that have depth, how many must agree with the metric pose.
   /// Share of the epipolar inliers that the metric pose must keep: points and rays must tell one story.
   double min_ray_inlier_ratio = 0.7;
-  double min_parallax_deg = 1.0;  ///< Below it the direction between two views without known depth means nothing.
-  /// Largest standard deviation of the rotation. Loops worse than this bend a map more than they mend it.
-  double max_rotation_sigma_deg = 1.0;
-  double max_direction_sigma_deg = 5.0;  ///< The same for the direction of translation of loops without scale.
-  double max_translation_sigma = 0.03;   ///< The same for loops with scale, as a share of the median depth.
-  double scale_sigma = 0.05;             ///< Relative standard deviation of the unit of length: the odometry's step error.
-  /// Largest standard deviation of the distance between the views that `scale_sigma` causes, as a share of the median depth.
-  /// Loops between views further apart state a direction only.
+  /// Largest standard deviation of the rotation, as a share of the field of view. Loops worse than this bend a map more than
+  /// they mend it.
+  double max_rotation_sigma = 0.02;
+  double max_translation_sigma = 0.03;  ///< The same of the translation across its direction, as a share of the median depth.
+  double max_direction_sigma = 0.09;    ///< The same for loops without scale, as a share of the baseline too: radians.
+  double scale_sigma = 0.05;            ///< Relative standard deviation of the unit of length: the odometry's step error.
+  /// Largest standard deviation of the distance between the views, as a share of the median depth. Loops between views further
+  /// apart state a direction only.
   double max_distance_sigma = 0.035;
   double confidence = 0.999;  ///< RANSAC's.
-  int max_iterations = 1500;  ///< RANSAC's bound: time spent on false candidates.
+  int max_iterations = 10000;  ///< RANSAC's bound: time spent on false candidates.
   std::uint64_t seed = 0;     ///< Combined with the frames' numbers, so that order does not matter.
 };
 
@@ -67,12 +56,19 @@ struct Verification {
   Verdict verdict = Verdict::TooFewMatches;
   int num_matches = 0;
   int num_inliers = 0;             ///< Epipolar.
+  double num_true = 0;             ///< Expected number of true ones among them; see inlier_noise.h.
   int num_point_inliers = 0;       ///< Of the metric pose.
   double log10_false_alarms = 0;   ///< See evidence.h.
   double inlier_area = 0;          ///< Share of the image inside the inliers' convex hull, the smaller of both images.
+  double inlier_cells = 0;         ///< Share of the cells of a grid that hold an inlier, the smaller of both images.
+  int num_second_inliers = 0;      ///< Of the best pose among the matches that are none.
+  double planar_lead = 0;          ///< How far the pose leads the other one of a plane, in logarithms of likelihood; 0: no other.
+  double rotation_share = 0;       ///< Of the inliers, how many a rotation alone explains.
+  double baseline_to_depth = 0;    ///< Length of the translation over the median depth.
   double median_parallax_deg = 0;  ///< Between the inliers' rays, rotation undone.
   double rotation_sigma_deg = 0;
-  double translation_sigma = 0;  ///< With scale: share of the median depth. Without: radians of direction.
+  double translation_sigma = 0;  ///< Across its direction, as a share of the median depth.
+  double scale_sigma = 0;        ///< Relative, of the distance between the views; 0 without scale.
   double rms_error_px = 0;       ///< Of the epipolar inliers.
   int num_iterations = 0;        ///< RANSAC's, of the relative pose.
   Pose match_from_query;         ///< Translation in metres (has_scale) or a unit direction. Meaningful from AccidentalInliers on.
@@ -83,12 +79,14 @@ struct Verification {
   std::vector<Match> inliers;  ///< The matches that agree.
 };
 
-/// Proves or rejects that two views show one place: match, relative pose (five points), then the metric pose (three points)
-/// where depth is known on either side. Deterministic; const, so any number of calls may run in parallel.
+/// Proves or rejects that two views show one place: match, relative pose (five points), the pose among those of a plane, the
+/// length of its translation where depth is known on either side. Deterministic; const, so any number of calls may run in
+/// parallel.
 class Verifier {
  public:
   explicit Verifier(const VerifierOptions& options = {}) : options_(options) {}
-  Verification verify(const View& query, const View& match) const;
+  /// `prior`, where there is one, tells the two poses of a plane apart.
+  Verification verify(const View& query, const View& match, const std::optional<PosePrior>& prior = {}) const;
   const VerifierOptions& options() const { return options_; }
 
  private:

@@ -18,14 +18,20 @@ class PackedDescriptors {
 
   std::size_t size() const { return size_; }
 
+  /// M rounded up to kRowStep.
+  std::size_t stride() const { return squared_norms_.size(); }
+
   /// Squared Euclidean distances of N queries (CV_32F, N x D, continuous) to all: N x M. Safe in parallel.
   cv::Mat1f squared_distances(const cv::Mat& queries) const;
+
+  /// The same into N x stride() floats; what lies beyond M is infinity.
+  void squared_distances(const cv::Mat& queries, float* distances) const;
 
  private:
   std::size_t size_ = 0;
   std::size_t dimension_ = 0;
-  std::vector<float> panels_;  ///< ceil(M / 16) panels of D x 16, zero where there is no descriptor.
-  std::vector<float> squared_norms_;
+  std::vector<float> panels_;         ///< ceil(M / 16) panels of D x 16, zero where there is no descriptor.
+  std::vector<float> squared_norms_;  ///< Infinity where there is no descriptor.
 };
 
 }  // namespace fabloop

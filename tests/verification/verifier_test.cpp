@@ -99,7 +99,7 @@ TEST(Verifier, PointsThatContradictTheRaysAreToldApart) {
 
 TEST(Verifier, NoiseLeavesThePosePoorlyConstrained) {
   VerifierOptions options;
-  options.max_rotation_sigma_deg = 0.01;
+  options.max_rotation_sigma = 1e-4;
   const TwoViews world = make_two_views({.noise_px = 0.8, .with_points = true});
   EXPECT_EQ(Verifier(options).verify(world.query, world.match).verdict, Verdict::PoorlyConstrained);
 }

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <random>
+
+namespace fabloop {
+
+/// Draws samples from the best data first and from more and more of them later: PROSAC (Chum & Matas, CVPR 2005), for data
+/// sorted by quality, best first. After `kUniformAfter` draws it draws uniformly from all.
+template <std::size_t kSize>
+class ProsacSampler {
+ public:
+  using Sample = std::array<std::size_t, kSize>;
+
+  /// Chum & Matas' T_N.
+  static constexpr double kUniformAfter = 200000;
+
+  ProsacSampler(std::size_t num_data, std::uint64_t seed)
+      : num_data_(num_data), subset_(kSize), draws_(mean_draws_within(kSize)), random_(seed) {}
+
+  Sample next() {
+    ++iteration_;
+    if (iteration_ > grow_at_ && subset_ < num_data_) {  // eq. 3 and 4
+      const double more = draws_ * static_cast<double>(subset_ + 1) / static_cast<double>(subset_ + 1 - kSize);
+      grow_at_ += std::ceil(more - draws_);
+      draws_ = more;
+      ++subset_;
+    }
+    Sample sample{};
+    const bool with_newest = subset_ < num_data_;  // the newest datum and others before it
+    const std::size_t count = with_newest ? kSize - 1 : kSize;
+    for (std::size_t i = 0; i < count;) {
+      sample[i] = uniform(with_newest ? subset_ - 1 : subset_);
+      const auto end = sample.begin() + static_cast<std::ptrdiff_t>(i);
+      if (std::find(sample.begin(), end, sample[i]) == end) ++i;
+    }
+    if (with_newest) sample[kSize - 1] = subset_ - 1;
+    return sample;
+  }
+
+  /// After how many calls of next() so many samples were drawn from the first `subset` data alone: all of the early ones,
+  /// none while the subset grows beyond, and their share of the uniform ones.
+  double iterations_for(double draws, std::size_t subset) const {
+    if (subset == num_data_) return draws;
+    const double early = std::max(1.0, mean_draws_within(subset));
+    if (draws <= early) return draws;
+    return kUniformAfter * (1.0 + (draws - early) / std::max(mean_draws_within(subset), std::numeric_limits<double>::min()));
+  }
+
+ private:
+  /// T_n: how many of `kUniformAfter` uniform samples lie within the first n data, on average.
+  double mean_draws_within(std::size_t n) const {
+    double draws = kUniformAfter;
+    for (std::size_t i = 0; i < kSize; ++i) draws *= static_cast<double>(n - i) / static_cast<double>(num_data_ - i);
+    return draws;
+  }
+
+  /// In [0, bound). The standard's distributions differ between libraries; this one is the same everywhere.
+  std::size_t uniform(std::size_t bound) { return static_cast<std::size_t>(random_() % bound); }
+
+  std::size_t num_data_;
+  std::size_t subset_;
+  double draws_;
+  double grow_at_ = 1;
+  double iteration_ = 0;
+  std::mt19937_64 random_;
+};
+
+}  // namespace fabloop
