@@ -60,7 +60,7 @@ struct AsyncStatistics {
 /// LoopCloser gives, in the order in which they were taken. Safe to call from any number of threads.
 ///
 /// Where keyframes are lost (dropped, rejected, cancelled, failed), the next one's `step_covariance` is not used, since it counts
-/// from one that was never seen; ConsistencyOptions::odometry stands in.
+/// from one that was never seen; LoopCloserOptions::odometry stands in.
 class AsyncLoopCloser {
  public:
   /// Throws InputError when the queue has no room at all.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "verification/loop_closer.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -41,7 +42,7 @@ LoopCloser::LoopCloser(const Camera& camera, const Model& model, const LoopClose
       recognizer_(model, options.recognizer),
       words_(model.vocabulary, options.words),
       verifier_(options.verifier),
-      consistency_(options.consistency) {
+      consistency_(options.consistency, options.odometry) {
   fabloop::validate(camera, "the loop closer's camera");
   validate(options);
   map_ = std::move(earlier);
@@ -103,12 +104,15 @@ std::vector<Hypothesis> LoopCloser::most_probable(const Belief& belief, LoopEven
   const std::size_t num_recent = std::min(options_.hypotheses.num_recent_excluded, num_of_this_session());
   const auto all = ranked_hypotheses(belief, {belief.p_place.size(), num_recent, 0.0});
   std::vector<Hypothesis> best;
+  std::size_t num_earlier = 0, num_own = 0;
   double p_known = 0;
   for (const Hypothesis& hypothesis : all) {
     p_known += hypothesis.probability;
-    if (best.size() < options_.hypotheses.max_hypotheses && hypothesis.probability >= options_.hypotheses.min_probability) {
-      best.push_back(hypothesis);
-    }
+    std::size_t& num_chosen = hypothesis.place < num_earlier_ ? num_earlier : num_own;
+    if (num_chosen == options_.hypotheses.max_hypotheses || hypothesis.probability < options_.hypotheses.min_probability)
+      continue;
+    best.push_back(hypothesis);
+    ++num_chosen;
   }
   event.p_new = std::max(0.0, 1.0 - p_known);
   return best;
@@ -152,8 +156,18 @@ void LoopCloser::verify(const std::vector<Hypothesis>& hypotheses, LoopEvent& ev
   parallel_for(hypotheses.size(), options_.num_threads, [&](std::size_t i) {
     const MapKeyframe& match = map_.keyframes[hypotheses[i].place];
     event.hypotheses[i] = {match.view.frame, match.session, hypotheses[i].probability, hypotheses[i].log_likelihood,
-                           verifier_.verify(map_.keyframes.back().view, match.view)};
+                           verifier_.verify(map_.keyframes.back().view, match.view, odometry_prior(hypotheses[i].place))};
   });
+}
+
+std::optional<PosePrior> LoopCloser::odometry_prior(std::size_t match) const {
+  if (match < num_earlier_) return std::nullopt;
+  const UncertainPose body_from_camera{options_.body_from_camera};
+  const UncertainPose match_body_from_query_body = odometry_between(map_, match, map_.keyframes.size() - 1, options_.odometry);
+  const UncertainPose match_from_query = inverse(body_from_camera) * match_body_from_query_body * body_from_camera;
+  // A body that stood still, or a host that is certain of an axis, leaves the prior without an inverse.
+  if (match_from_query.covariance.llt().info() != Eigen::Success) return std::nullopt;
+  return PosePrior{match_from_query.pose, match_from_query.covariance};
 }
 
 void LoopCloser::hand_out_loops(LoopEvent& event) {

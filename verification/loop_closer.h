@@ -30,10 +30,11 @@ struct LoopCloserOptions {
   WordFinderOptions words;
   PlaceRecognizerOptions recognizer;
   MotionModel motion;
-  HypothesesOptions hypotheses;
+  HypothesesOptions hypotheses;  ///< With an earlier map, `max_hypotheses` of its places and as many of this session's.
   VerifierOptions verifier;
   NeighbourOptions neighbour;
   ConsistencyOptions consistency;  ///< Off by default: every proven loop is handed out at once.
+  OdometryStepNoise odometry;      ///< Of steps whose keyframes have no covariance.
   Pose body_from_camera;           ///< Where the camera sits on the body whose odometry is given.
   /// Relative standard deviation of the points and depths that keyframes bring along. More for stereo of a short baseline.
   double point_sigma = 0.02;
@@ -68,6 +69,8 @@ class LoopCloser {
   void remember(MapKeyframe keyframe, Belief belief);
   void link_to_earlier(LoopEvent& event);
   void verify(const std::vector<Hypothesis>& hypotheses, LoopEvent& event) const;
+  /// What the odometry says of the pose of the last keyframe's camera in that of an earlier one, where it says anything.
+  std::optional<PosePrior> odometry_prior(std::size_t match) const;
   void hand_out_loops(LoopEvent& event);
 
   void add_place(const Observation& words, bool follows_last);

@@ -17,13 +17,13 @@ std::size_t distance(std::size_t a, std::size_t b) { return a < b ? b - a : a - 
 
 }  // namespace
 
-bool loops_agree(const KeyframeMap& map, const LoopClosure& first, const LoopClosure& second, const ConsistencyOptions& options) {
+bool loops_agree(const KeyframeMap& map, const LoopClosure& first, const LoopClosure& second, double p_agree,
+                 const OdometryStepNoise& odometry) {
   const std::size_t query_session = map.keyframes.back().session;
-  const UncertainPose first_match_from_second_match =
-      odometry_between(map, position_of(map, first.match_session, first.match),
-                       position_of(map, second.match_session, second.match), options.odometry);
-  const UncertainPose first_query_from_second_query = odometry_between(
-      map, position_of(map, query_session, first.query), position_of(map, query_session, second.query), options.odometry);
+  const UncertainPose first_match_from_second_match = odometry_between(
+      map, position_of(map, first.match_session, first.match), position_of(map, second.match_session, second.match), odometry);
+  const UncertainPose first_query_from_second_query = odometry_between(map, position_of(map, query_session, first.query),
+                                                                       position_of(map, query_session, second.query), odometry);
   const UncertainPose predicted =
       inverse(first_match_from_second_match) * uncertain_pose_of(first) * first_query_from_second_query;
 
@@ -33,10 +33,11 @@ bool loops_agree(const KeyframeMap& map, const LoopClosure& first, const LoopClo
   const Eigen::VectorXd compared = error.tail(num_compared);
   const Eigen::MatrixXd compared_covariance = covariance.bottomRightCorner(num_compared, num_compared);
   const double chi2 = compared.dot(compared_covariance.ldlt().solve(compared));
-  return chi2 <= chi_square_quantile(options.p_agree, num_compared);
+  return chi2 <= chi_square_quantile(p_agree, num_compared);
 }
 
-TemporalConsistency::TemporalConsistency(const ConsistencyOptions& options) : options_(options) {
+TemporalConsistency::TemporalConsistency(const ConsistencyOptions& options, const OdometryStepNoise& odometry)
+    : options_(options), odometry_(odometry) {
   if (!(options.p_agree > 0.0 && options.p_agree < 1.0)) {
     throw InputError("p_agree of the temporal consistency must lie between 0 and 1: how often two right loops agree");
   }
@@ -78,7 +79,7 @@ TemporalConsistency::Candidate TemporalConsistency::linked(const KeyframeMap& ma
     const bool is_near = result.query - earlier.query <= options_.max_missed + 1 &&
                          earlier.loop.match_session == loop.match_session &&
                          distance(earlier.match, result.match) <= options_.max_place_gap;
-    if (!is_near || !loops_agree(map, earlier.loop, loop, options_)) continue;
+    if (!is_near || !loops_agree(map, earlier.loop, loop, options_.p_agree, odometry_)) continue;
     result.predecessors.push_back(num_forgotten_ + i);
     result.chain_before = std::max(result.chain_before, earlier.chain_before + 1);
   }

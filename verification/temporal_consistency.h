@@ -22,7 +22,6 @@ struct ConsistencyOptions {
   std::size_t max_place_gap = 10;
   /// Two right loops agree with this probability: a level of the chi-square test.
   double p_agree = 0.999;
-  OdometryStepNoise odometry{};  ///< Where keyframes have no covariance.
 };
 
 /// Loops that may be believed by now.
@@ -36,7 +35,7 @@ struct ConfirmedLoops {
 class TemporalConsistency {
  public:
   /// Throws InputError when `p_agree` is not in (0, 1).
-  explicit TemporalConsistency(const ConsistencyOptions& options = {});
+  explicit TemporalConsistency(const ConsistencyOptions& options = {}, const OdometryStepNoise& odometry = {});
 
   /// Adds the proven loops of the last keyframe of the map; call it after every keyframe, with or without loops.
   ConfirmedLoops add(const KeyframeMap& map, const std::vector<LoopClosure>& loops);
@@ -57,13 +56,15 @@ class TemporalConsistency {
   void lengthen_chains_to(const Candidate& last);
 
   ConsistencyOptions options_;
+  OdometryStepNoise odometry_;
   std::deque<Candidate> candidates_;  ///< Of the last keyframes; each has a number, counted from the first ever.
   std::size_t num_forgotten_ = 0;
 };
 
 /// Whether two loops of keyframes of one session, to places of one session, can both be right: the pose that the first one and
-/// the odometry predict for the second is as near to it as their covariances allow. Where either has no scale, rotations alone
-/// are compared. No length enters but through the covariances.
-bool loops_agree(const KeyframeMap& map, const LoopClosure& first, const LoopClosure& second, const ConsistencyOptions& options);
+/// the odometry predict for the second is as near to it as their covariances allow. Right ones agree with the probability
+/// `p_agree`. Where either has no scale, rotations alone are compared. No length enters but through the covariances.
+bool loops_agree(const KeyframeMap& map, const LoopClosure& first, const LoopClosure& second, double p_agree,
+                 const OdometryStepNoise& odometry = {});
 
 }  // namespace fabloop

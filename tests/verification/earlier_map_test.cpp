@@ -82,6 +82,20 @@ TEST(EarlierMap, ItsKeyframesAreNeverNeighboursOfTheNewOnes) {
   for (const NeighbourLink& link : closer.add_keyframe(later_frame(1)).neighbours) EXPECT_EQ(link.previous, 0U);
 }
 
+TEST(EarlierMap, LeavesRoomForTheSessionsOwnPlaces) {
+  LoopCloser closer(test_camera(), lap_and_more().model, options(), map_of_lap());
+  std::size_t num_own = 0;
+  for (std::size_t i = 0; i < kFramesOfLap; ++i) {
+    Keyframe keyframe = keyframe_of(lap_and_more(), i);  // the same lap once more: the earlier places look most alike
+    keyframe.frame = i;
+    const LoopEvent event = closer.add_keyframe(keyframe);
+    const auto is_own = [](const HypothesisOutcome& outcome) { return outcome.match_session == 1; };
+    num_own = static_cast<std::size_t>(std::count_if(event.hypotheses.begin(), event.hypotheses.end(), is_own));
+    EXPECT_EQ(event.hypotheses.size() - num_own, options().hypotheses.max_hypotheses);
+  }
+  EXPECT_EQ(num_own, options().hypotheses.max_hypotheses);
+}
+
 TEST(EarlierMap, ItsLastKeyframesMayBeRecognisedAtOnce) {
   // With a window of recent keyframes as long as the whole map, none of the earlier session may fall into it.
   LoopCloserOptions wide = options();

@@ -79,6 +79,7 @@ class Consistency : public testing::Test {
     return consistency.add(map_, loops);
   }
 
+  static constexpr double kUsualLevel = 0.999;
   double unit_ = 1.0;
   double noise_ = 0.0;
   KeyframeMap map_;
@@ -168,7 +169,7 @@ TEST_F(Consistency, RightLoopsAgreeAsOftenAsTheLevelSays) {
   for (int trial = 0; trial < kTrials; ++trial) {
     map_ = {};
     walk_to(21);
-    num_agreeing += loops_agree(map_, loop(18, 2), loop(21, 5), {.p_agree = kLevel});
+    num_agreeing += loops_agree(map_, loop(18, 2), loop(21, 5), kLevel);
   }
   // The share of n trials scatters by sqrt(p (1 - p) / n), 0.8 %; four of those are allowed.
   EXPECT_NEAR(static_cast<double>(num_agreeing) / kTrials, kLevel, 0.031);
@@ -184,9 +185,9 @@ TEST_F(Consistency, LoopsBesideTheOdometryDisagree) {
     LoopClosure aside = loop(21, 3), turned = loop(21, 3);
     aside.match_from_query.translation.x() += 4.0;
     turned.match_from_query.rotation = turned.match_from_query.rotation * rotation_from_vector({0, 0, 0.2});
-    EXPECT_TRUE(loops_agree(map_, first, loop(21, 3), {.p_agree = 0.99999}));
-    EXPECT_FALSE(loops_agree(map_, first, aside, {}));
-    EXPECT_FALSE(loops_agree(map_, first, turned, {}));
+    EXPECT_TRUE(loops_agree(map_, first, loop(21, 3), 0.99999));
+    EXPECT_FALSE(loops_agree(map_, first, aside, kUsualLevel));
+    EXPECT_FALSE(loops_agree(map_, first, turned, kUsualLevel));
   }
 }
 
@@ -196,11 +197,11 @@ TEST_F(Consistency, WithoutScaleRotationsDecide) {
   LoopClosure second = loop(21, 3);
   second.has_scale = false;
   second.match_from_query.translation.setUnit(1);
-  EXPECT_TRUE(loops_agree(map_, first, second, {}));
-  EXPECT_TRUE(loops_agree(map_, second, first, {}));
+  EXPECT_TRUE(loops_agree(map_, first, second, kUsualLevel));
+  EXPECT_TRUE(loops_agree(map_, second, first, kUsualLevel));
   second.match_from_query.rotation = second.match_from_query.rotation * rotation_from_vector({0.2, 0, 0});
-  EXPECT_FALSE(loops_agree(map_, first, second, {}));
-  EXPECT_FALSE(loops_agree(map_, second, first, {}));
+  EXPECT_FALSE(loops_agree(map_, first, second, kUsualLevel));
+  EXPECT_FALSE(loops_agree(map_, second, first, kUsualLevel));
 }
 
 TEST_F(Consistency, DoesNotDependOnTheUnitOfLength) {
@@ -214,7 +215,7 @@ TEST_F(Consistency, DoesNotDependOnTheUnitOfLength) {
       map_ = {};
       walk_to(21);
       const LoopClosure first = loop(18, 2), second = loop(21, 5);
-      agrees.push_back(loops_agree(map_, first, second, {.p_agree = 0.9}));
+      agrees.push_back(loops_agree(map_, first, second, 0.9));
     }
     EXPECT_EQ(agrees[0], agrees[1]);
     num_agreeing += agrees[0];
