@@ -22,6 +22,7 @@ namespace {
 struct MapArguments {
   std::string sequence;
   std::string odometry, reference, camera, model, out;
+  std::string earlier_map, save_map;
   FeatureArguments features;
   std::string new_place = "mean-field";
   double max_time_difference_s = 0.01;
@@ -43,12 +44,25 @@ FeatureOptions features_to_extract(const MapArguments& arguments, const std::opt
   return asked;
 }
 
+/// Before the work, not after it.
+void require_usable_maps(const MapArguments& arguments) {
+  namespace fs = std::filesystem;
+  if (!arguments.earlier_map.empty() && arguments.model.empty()) {
+    throw InputError(arguments.earlier_map + ": give the model that this map was made with, --model FILE");
+  }
+  if (arguments.save_map.empty() || !fs::exists(arguments.save_map)) return;
+  if (arguments.earlier_map.empty() || !fs::equivalent(arguments.save_map, arguments.earlier_map)) {
+    throw InputError(arguments.save_map + ": exists already; give it as --earlier-map too to go on with it, or remove it");
+  }
+}
+
 void run_map(MapArguments& arguments, const CommonOptions& common) {
   const auto if_exists = arguments.overwrite ? OutputFolder::IfExists::Replace : OutputFolder::IfExists::Refuse;
   { const OutputFolder probe(arguments.out, if_exists); }  // before the work, not after it
   if (arguments.odometry.empty()) {
     throw InputError(arguments.sequence + ": give the odometry of these images with --odometry FILE (TUM format)");
   }
+  require_usable_maps(arguments);
   SequenceOptions sequence_options{.camera = arguments.camera,
                                    .odometry = arguments.odometry,
                                    .reference = arguments.reference,
@@ -65,6 +79,8 @@ void run_map(MapArguments& arguments, const CommonOptions& common) {
   options.num_threads = common.num_threads;
   options.warn = make_warn(common);
   options.progress = make_progress(common);
+  options.earlier_map = arguments.earlier_map;
+  options.mapper.save_map = arguments.save_map;
   if (!model && !common.quiet) {
     std::cout
         << "no --model: training one on the sequence itself (`fabloop train` on other flights gives better probabilities)\n";
@@ -81,6 +97,8 @@ void add_input_options(CLI::App* command, MapArguments& arguments) {
   command->add_option("--reference", arguments.reference, "TUM file to compare with (default: reference.tum in the folder)");
   command->add_option("--camera", arguments.camera, "calibration file (default: camera.yaml in the folder, else EXIF)");
   command->add_option("--out", arguments.out, "folder to write the run to")->required();
+  command->add_option("--save-map", arguments.save_map, "file to keep the keyframes in for later flights, as they come");
+  command->add_option("--earlier-map", arguments.earlier_map, "file of --save-map to look for loops in too; needs its --model");
   command->add_option("--max-time-difference", arguments.max_time_difference_s, "seconds between an image and its pose")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
@@ -105,6 +123,10 @@ void add_method_options(CLI::App* command, MapArguments& arguments) {
   command->add_option("--min-inliers", loops.verifier.min_inliers, "least inliers of a loop")->capture_default_str();
   command->add_option("--max-error-px", loops.verifier.max_error_px, "largest epipolar error of an inlier")
       ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--confirm", loops.consistency.num_required,
+                   "believe a loop only when those of so many other images in a row agree with it; 0: at once")
       ->capture_default_str();
   command->add_option("--seed", options.seed, "another number: other samples")->capture_default_str();
 }

@@ -20,8 +20,9 @@ void print_run_report(std::ostream& out, const Sequence& sequence, const Sequenc
   if (result.num_damaged > 0) out << ", " << result.num_damaged << " damaged";
   if (result.map.num_without_odometry > 0) out << ", " << result.map.num_without_odometry << " without odometry";
   out << "\nhypotheses:  " << loops.num_hypotheses << " verified, " << loops.num_accepted << " loops accepted ("
-      << loops.num_with_scale << " with scale)\n"
-      << "graph:       " << result.map.report.brief() << '\n';
+      << loops.num_with_scale << " with scale)";
+  if (loops.num_into_earlier > 0) out << ", " << loops.num_into_earlier << " of them into the earlier map";
+  out << '\n' << "graph:       " << result.map.report.brief() << '\n';
   if (errors.odometry && errors.final) {
     const double before = errors.odometry->translation_m.rmse;
     const double after = errors.final->translation_m.rmse;

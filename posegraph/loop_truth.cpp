@@ -23,17 +23,32 @@ constexpr std::array<const char*, 11> kLoopColumns = {"query", "match", "verdict
 /// Which field each of kLoopColumns is.
 using LoopLayout = std::array<std::size_t, kLoopColumns.size()>;
 
+std::optional<std::size_t> column_named(const std::string& name, const CsvFields& head) {
+  const auto found = std::find(head.begin(), head.end(), name);
+  if (found == head.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - head.begin());
+}
+
 LoopLayout read_head(const CsvFields& head, const CsvFail& fail) {
   LoopLayout layout{};
   for (std::size_t i = 0; i < kLoopColumns.size(); ++i) {
-    const auto found = std::find(head.begin(), head.end(), kLoopColumns[i]);
-    if (found == head.end()) {
+    const auto found = column_named(kLoopColumns[i], head);
+    if (!found) {
       fail("the head line has no column '" + std::string(kLoopColumns[i]) +
            "'; write query,match,probability,verdict,matches,inliers,has_scale,tx,ty,tz,qx,qy,qz,qw");
     }
-    layout[i] = static_cast<std::size_t>(found - head.begin());
+    layout[i] = *found;
   }
   return layout;
+}
+
+/// Where a line says which session its query and its match are of; older files do not.
+struct SessionColumns {
+  std::optional<std::size_t> query, match;
+};
+
+bool is_within_session(const CsvFields& fields, const SessionColumns& columns) {
+  return !columns.query || !columns.match || fields[*columns.query] == fields[*columns.match];
 }
 
 LoopRecord read_loop(const CsvFields& fields, const LoopLayout& layout, const CsvFail& fail) {
@@ -59,18 +74,20 @@ bool LoopRecord::accepted() const { return verdict == "Accepted" || verdict == "
 
 std::vector<LoopRecord> read_loops(const std::filesystem::path& path) {
   std::optional<LoopLayout> layout;
+  SessionColumns sessions;
   std::size_t num_columns = 0;
   std::vector<LoopRecord> records;
   for_each_csv_line(path, [&](const CsvFields& fields, const CsvFail& fail) {
     if (!layout) {
       layout = read_head(fields, fail);
       num_columns = fields.size();
+      sessions = {column_named("session", fields), column_named("match_session", fields)};
       return;
     }
     if (fields.size() != num_columns) {
       fail("has " + std::to_string(fields.size()) + " columns, but the head line has " + std::to_string(num_columns));
     }
-    records.push_back(read_loop(fields, *layout, fail));
+    if (is_within_session(fields, sessions)) records.push_back(read_loop(fields, *layout, fail));
   });
   if (!layout) throw InputError(path.string() + ": has no head line; write query,match,probability,verdict,... first");
   return records;

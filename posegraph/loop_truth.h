@@ -33,7 +33,8 @@ struct LoopTruth {
 };
 
 /// Reads `loops.csv`: columns by the names in its head line, in any order; the pose may be empty where nothing was accepted.
-/// Throws InputError naming file and line for a missing column, a line that does not fit, an accepted line without a pose.
+/// Lines whose `match_session` is not their `session` are left out: their match is no frame of this sequence. Throws InputError
+/// naming file and line for a missing column, a line that does not fit, an accepted line without a pose.
 std::vector<LoopRecord> read_loops(const std::filesystem::path& path);
 
 /// Reads lines `filename,timestamp_s` (`frames.csv`, `track.csv`): the time of each frame [ns], in the order of the lines.

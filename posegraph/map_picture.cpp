@@ -172,7 +172,8 @@ void draw_loops(cv::Mat& picture, const Projection& project, const Path& result,
     cv::Mat lines = picture.clone();
     for (const LoopEvent& event : map.events) {
       for (const HypothesisOutcome& outcome : event.hypotheses) {
-        if ((outcome.verification.verdict == Verdict::Accepted) != accepted) continue;
+        const bool is_within = outcome.match_session == event.session;
+        if (!is_within || (outcome.verification.verdict == Verdict::Accepted) != accepted) continue;
         draw_line(lines, project(result[vertex_of(event.query)]), project(result[vertex_of(outcome.match)]),
                   accepted ? kAccepted : kRejected, 1);
       }

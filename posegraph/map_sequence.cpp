@@ -36,6 +36,14 @@ void require_two_mappable_frames(const Sequence& sequence, const DescribedSequen
 }  // namespace
 
 SequenceMap map_sequence(const Sequence& sequence, const std::optional<Model>& model, const MapSequenceOptions& options) {
+  KeyframeMap earlier;
+  if (!options.earlier_map.empty()) {
+    if (!model) {
+      throw InputError(options.earlier_map.string() +
+                       ": an earlier map needs the model that it was made with; a model trained on this sequence is another");
+    }
+    earlier = read_keyframe_map(options.earlier_map, *model);
+  }
   DescribeOptions describe_options;
   describe_options.features = model ? model->features : options.features;
   describe_options.if_damaged = options.if_damaged;
@@ -60,7 +68,7 @@ SequenceMap map_sequence(const Sequence& sequence, const std::optional<Model>& m
   mapper_options.loops.warn = options.warn;
   mapper_options.loops.verifier.seed = options.seed;
   mapper_options.loops.recognizer.seed = options.seed;
-  Mapper mapper(sequence.camera, result.model, mapper_options);
+  Mapper mapper(sequence.camera, result.model, mapper_options, std::move(earlier));
   std::size_t num_done = 0;
   for (DescribedFrame& frame : described.frames) {
     const Frame& input = sequence.frames[frame.frame];

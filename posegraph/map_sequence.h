@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 
 #include "frontend/fabmap/model.h"
@@ -18,8 +19,9 @@ struct MapSequenceOptions {
   FeatureOptions features;  ///< Only without a model; a model brings its own.
   IfDamaged if_damaged = IfDamaged::Skip;
   MapperOptions mapper;
-  std::uint64_t seed = 1;  ///< Of training, RANSAC and sampling.
-  int num_threads = 0;     ///< 0: all. The result does not depend on it.
+  std::filesystem::path earlier_map{};  ///< A map of earlier sessions to recognise places in; needs the model that it is of.
+  std::uint64_t seed = 1;               ///< Of training, RANSAC and sampling.
+  int num_threads = 0;                  ///< 0: all. The result does not depend on it.
   Warn warn;
   Progress progress;
 };
@@ -32,7 +34,8 @@ struct SequenceMap {
 };
 
 /// From a sequence with odometry to its map: describe the images, train a model on them when none is given, map frame by
-/// frame. Throws InputError for what the parts refuse, and when fewer than two frames have both an image and odometry.
+/// frame. Throws InputError for what the parts refuse, when an earlier map is given without its model, and when fewer than two
+/// frames have both an image and odometry.
 SequenceMap map_sequence(const Sequence& sequence, const std::optional<Model>& model, const MapSequenceOptions& options = {});
 
 }  // namespace fabloop

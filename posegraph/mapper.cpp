@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "verification/chi_square.h"
+
 namespace fabloop {
 namespace {
 
@@ -30,32 +32,46 @@ double median_step(const std::vector<Edge>& edges) {
   return *middle;
 }
 
+/// A sequence's odometry is its camera's.
+LoopCloserOptions as_of_cameras(LoopCloserOptions options) {
+  options.body_from_camera = {};
+  return options;
+}
+
 }  // namespace
 
-Mapper::Mapper(const Camera& camera, const Model& model, const MapperOptions& options)
-    : options_(options), loop_closer_(camera, model, options.loops) {}
+Mapper::Mapper(const Camera& camera, const Model& model, const MapperOptions& options, KeyframeMap earlier)
+    : options_(options), loop_closer_(camera, model, as_of_cameras(options.loops), std::move(earlier)) {
+  if (options.save_map.empty()) return;
+  map_file_ = std::filesystem::exists(options.save_map) ? KeyframeMapFile::open(options.save_map, model)
+                                                        : KeyframeMapFile::create(options.save_map, loop_closer_.map());
+}
 
 void Mapper::process(const Frame& frame, DescribedFrame described) {
   if (!frame.odom_from_camera) {
     ++map_.num_without_odometry;
     return;
   }
+  LoopEvent event = loop_closer_.add_keyframe({.frame = described.frame,
+                                               .time_ns = frame.time_ns,
+                                               .odom_from_body = *frame.odom_from_camera,
+                                               .features = std::move(described.features)});
+  if (map_file_) map_file_->put(loop_closer_.map(), event.changed);
   add_vertex(frame, described.frame);
-  LoopEvent event = loop_closer_.add_keyframe({described.frame, std::move(described.features), *frame.odom_from_camera});
   for (const NeighbourLink& link : event.neighbours) add_neighbour_edge(link);
-  add_loop_edges(event);
+  map_.times.words_s.push_back(event.times.words_s);
+  map_.times.recognise_s.push_back(event.times.recognise_s);
+  map_.times.neighbour_s.push_back(event.times.neighbour_s);
+  map_.times.verify_s.push_back(event.times.verify_s);
+  map_.events.push_back(std::move(event));
+  take_loops();
   if (has_new_loop_ && num_since_solve_ >= options_.solve_every) solve();
   ++num_since_solve_;
   map_.online_trajectory.push_back({frame.time_ns, map_.graph.vertices.back().world_from_frame});
 
   map_.times.read_s.push_back(described.read_s);
   map_.times.describe_s.push_back(described.describe_s);
-  map_.times.words_s.push_back(event.times.words_s);
-  map_.times.recognise_s.push_back(event.times.recognise_s);
-  map_.times.neighbour_s.push_back(event.times.neighbour_s);
-  map_.times.verify_s.push_back(event.times.verify_s);
   map_.grey.push_back(std::move(described.grey));
-  map_.events.push_back(std::move(event));
 }
 
 void Mapper::add_vertex(const Frame& frame, std::size_t position) {
@@ -87,19 +103,35 @@ void Mapper::add_neighbour_edge(const NeighbourLink& link) {
   }
 }
 
-void Mapper::add_loop_edges(const LoopEvent& event) {
-  for (const HypothesisOutcome& outcome : event.hypotheses) {
-    if (outcome.verification.verdict != Verdict::Accepted) continue;
-    Edge edge;
-    edge.from = vertex_of(outcome.match);
-    edge.to = map_.graph.vertices.size() - 1;
-    edge.from_from_to = outcome.verification.match_from_query;
-    edge.information = outcome.verification.information;
-    edge.kind = EdgeKind::Loop;
-    edge.has_scale = outcome.verification.has_scale;
-    map_.graph.edges.push_back(edge);
-    has_new_loop_ = true;
+void Mapper::take_loops() {
+  const LoopEvent& event = map_.events.back();
+  for (const std::vector<LoopClosure>* loops : {&event.loops, &event.confirmed}) {
+    for (const LoopClosure& loop : *loops) {
+      verdict_of({vertex_of(loop.query), loop.match, loop.match_session}) = Verdict::Accepted;
+      if (loop.match_session == event.session) add_loop_edge(loop);
+    }
   }
+}
+
+void Mapper::add_loop_edge(const LoopClosure& loop) {
+  Edge edge;
+  edge.from = vertex_of(loop.match);
+  edge.to = vertex_of(loop.query);
+  edge.from_from_to = loop.match_from_query;
+  edge.information = loop.information;
+  edge.kind = EdgeKind::Loop;
+  edge.has_scale = loop.has_scale;
+  map_.graph.edges.push_back(edge);
+  loops_.push_back({edge.to, loop.match, loop.match_session});
+  has_new_loop_ = true;
+}
+
+Verdict& Mapper::verdict_of(const LoopPair& pair) {
+  std::vector<HypothesisOutcome>& hypotheses = map_.events[pair.query].hypotheses;
+  const auto found = std::find_if(hypotheses.begin(), hypotheses.end(), [&](const HypothesisOutcome& outcome) {
+    return outcome.match == pair.match && outcome.match_session == pair.match_session;
+  });
+  return found->verification.verdict;
 }
 
 std::size_t Mapper::vertex_of(std::size_t position) const {
@@ -126,13 +158,6 @@ void Mapper::solve() {
 
 Map Mapper::finish() {
   solve();
-  // Loops in the order in which add_loop_edges() made them.
-  std::vector<Verification*> accepted;
-  for (LoopEvent& event : map_.events) {
-    for (HypothesisOutcome& outcome : event.hypotheses) {
-      if (outcome.verification.verdict == Verdict::Accepted) accepted.push_back(&outcome.verification);
-    }
-  }
   std::vector<Edge> kept;
   std::size_t loop = 0;
   for (std::size_t i = 0; i < map_.graph.edges.size(); ++i) {
@@ -140,7 +165,7 @@ Map Mapper::finish() {
     const int degrees_of_freedom = map_.graph.edges[i].has_scale ? 6 : 5;
     const bool contradicts =
         is_loop && map_.report.edges[i].chi2 > chi_square_quantile(options_.max_loop_surprise, degrees_of_freedom);
-    if (contradicts) accepted[loop]->verdict = Verdict::ContradictsMap;
+    if (contradicts) verdict_of(loops_[loop]) = Verdict::ContradictsMap;
     if (!contradicts) kept.push_back(map_.graph.edges[i]);
     loop += is_loop;
   }
@@ -151,7 +176,10 @@ Map Mapper::finish() {
   for (std::size_t v = 0; v < map_.graph.vertices.size(); ++v) {
     map_.final_trajectory.push_back({map_.odometry_trajectory[v].time_ns, map_.graph.vertices[v].world_from_frame});
   }
-  map_.views = loop_closer_.views();
+  const KeyframeMap& keyframes = loop_closer_.map();
+  for (std::size_t place = keyframes.keyframes.size() - map_.events.size(); place < keyframes.keyframes.size(); ++place) {
+    map_.views.push_back(keyframes.keyframes[place].view);
+  }
   return std::move(map_);
 }
 

@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,12 +16,13 @@
 #include "posegraph/odometry_noise.h"
 #include "posegraph/optimize.h"
 #include "posegraph/pose_graph.h"
+#include "verification/keyframe_map_file.h"
 #include "verification/loop_closer.h"
 
 namespace fabloop {
 
 struct MapperOptions {
-  LoopCloserOptions loops;
+  LoopCloserOptions loops;  ///< Without `body_from_camera`: a sequence's odometry is its camera's.
   OptimizeOptions optimize{.objective = Objective::RotationVector, .robust_loss = RobustLoss::Cauchy};
   OdometryNoise odometry_noise;  ///< Where the images do not show it.
   /// After a loop, the graph is solved again once so many keyframes have come since the last time. 1 corrects at once; more
@@ -27,6 +30,9 @@ struct MapperOptions {
   std::size_t solve_every = 10;
   /// A loop contradicts the rest of the map, and its verdict says so, when a right one would fit better with this probability.
   double max_loop_surprise = 0.9999;
+  /// Where to keep the keyframes for later sessions, each as it comes (see KeyframeMapFile). A file that exists must be the one
+  /// that the earlier map was read from; it then goes on. Empty: nowhere.
+  std::filesystem::path save_map{};
 };
 
 /// Seconds of each stage, one entry a keyframe (one a solve for `optimize_s`).
@@ -52,7 +58,9 @@ struct Map {
 /// The whole pipeline, image by image: appearance proposes, geometry proves, the graph bends.
 class Mapper {
  public:
-  Mapper(const Camera& camera, const Model& model, const MapperOptions& options = {});
+  /// Loops that lead into the `earlier` map are in the ledger; only those within the sequence bend this map. Throws InputError as
+  /// LoopCloser and KeyframeMapFile do.
+  Mapper(const Camera& camera, const Model& model, const MapperOptions& options = {}, KeyframeMap earlier = {});
 
   /// Frames in order of time. A frame without odometry is left out and counted.
   void process(const Frame& frame, DescribedFrame described);
@@ -62,15 +70,26 @@ class Mapper {
 
  private:
   void add_vertex(const Frame& frame, std::size_t position);
-  void add_loop_edges(const LoopEvent& event);
+  /// A loop of the ledger.
+  struct LoopPair {
+    std::size_t query = 0;  ///< Position of its event.
+    std::size_t match = 0;  ///< Keyframe::frame.
+    std::size_t match_session = 0;
+  };
+
+  void take_loops();
+  void add_loop_edge(const LoopClosure& loop);
+  Verdict& verdict_of(const LoopPair& pair);
   void add_neighbour_edge(const NeighbourLink& link);
   std::size_t vertex_of(std::size_t position) const;
   void solve();
 
   MapperOptions options_;
   LoopCloser loop_closer_;
+  std::optional<KeyframeMapFile> map_file_;
   Map map_;
   std::vector<Pose> odom_from_cameras_;  ///< By vertex.
+  std::vector<LoopPair> loops_;          ///< One a loop edge, in their order.
   std::vector<double> rotation_errors_deg_, direction_errors_deg_;
   bool has_new_loop_ = false;
   std::size_t num_since_solve_ = 0;

@@ -17,6 +17,7 @@
 #include "posegraph/connectivity.h"
 #include "posegraph/information.h"
 #include "posegraph/residuals.h"
+#include "verification/chi_square.h"
 
 namespace fabloop {
 namespace {

@@ -23,7 +23,4 @@ double robust_weight(RobustLoss loss, double chi2, double c2);
 /// d^2 rho / d s^2.
 double robust_curvature(RobustLoss loss, double chi2, double c2);
 
-/// The value that a chi-square variable of `degrees_of_freedom` >= 1 stays below with this probability, in [0, 1).
-double chi_square_quantile(double probability, int degrees_of_freedom);
-
 }  // namespace fabloop

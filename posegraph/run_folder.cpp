@@ -3,7 +3,6 @@
 
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cstring>
 #include <string>
 #include <vector>
@@ -12,16 +11,10 @@
 #include "posegraph/g2o_io.h"
 #include "posegraph/map_picture.h"
 #include "posegraph/run_summary.h"
+#include "verification/ledger.h"
 
 namespace fabloop {
 namespace {
-
-/// As many digits as it takes to get the same number back.
-std::string exact(double value) {
-  std::array<char, 32> text{};
-  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value);
-  return {text.data(), end};
-}
 
 Trajectory reference_of(const Sequence& sequence) {
   Trajectory reference;
@@ -29,19 +22,6 @@ Trajectory reference_of(const Sequence& sequence) {
     if (frame.world_from_camera) reference.push_back({frame.time_ns, *frame.world_from_camera});
   }
   return reference;
-}
-
-void write_loop_row(std::ostream& out, std::size_t query, double p_new, std::size_t rank, const HypothesisOutcome& outcome) {
-  const Verification& v = outcome.verification;
-  const auto& t = v.match_from_query.translation;
-  const auto& q = v.match_from_query.rotation;
-  out << query << ',' << outcome.match << ',' << exact(outcome.probability) << ',' << to_string(v.verdict) << ',' << v.num_matches
-      << ',' << v.num_inliers << ',' << (v.has_scale ? 1 : 0);
-  for (const double value : {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()}) out << ',' << exact(value);
-  out << ',' << rank << ',' << exact(outcome.log_likelihood) << ',' << exact(p_new) << ',' << v.num_point_inliers << ','
-      << exact(v.log10_false_alarms) << ',' << exact(v.inlier_area) << ',' << exact(v.median_parallax_deg) << ','
-      << exact(v.rotation_sigma_deg) << ',' << exact(v.translation_sigma) << ',' << exact(v.rms_error_px) << ','
-      << v.num_iterations << '\n';
 }
 
 void write_frames_csv(const std::filesystem::path& path, const Sequence& sequence) {
@@ -77,6 +57,7 @@ LoopCounts count_loops(const Map& map) {
     for (const HypothesisOutcome& outcome : event.hypotheses) {
       const bool accepted = outcome.verification.verdict == Verdict::Accepted;
       counts.num_accepted += accepted;
+      counts.num_into_earlier += accepted && outcome.match_session != event.session;
       counts.num_with_scale += accepted && outcome.verification.has_scale;
     }
   }
@@ -85,14 +66,8 @@ LoopCounts count_loops(const Map& map) {
 
 void write_loops_csv(const std::filesystem::path& path, const Map& map) {
   OutputFile file(path);
-  file.stream() << "query,match,probability,verdict,matches,inliers,has_scale,tx,ty,tz,qx,qy,qz,qw,rank,log_likelihood,p_new,"
-                   "point_inliers,log10_false_alarms,inlier_area,parallax_deg,rotation_sigma_deg,translation_sigma,rms_error_px,"
-                   "iterations\n";
-  for (const LoopEvent& event : map.events) {
-    for (std::size_t rank = 0; rank < event.hypotheses.size(); ++rank) {
-      write_loop_row(file.stream(), event.query, event.p_new, rank + 1, event.hypotheses[rank]);
-    }
-  }
+  file.stream() << ledger_csv_head() << '\n';
+  for (const LoopEvent& event : map.events) write_ledger(file.stream(), event, LedgerFormat::Csv);
   file.commit();
 }
 

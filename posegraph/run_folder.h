@@ -23,7 +23,8 @@ RunErrors run_errors(const Sequence& sequence, const Map& map);
 struct LoopCounts {
   std::size_t num_hypotheses = 0;
   std::size_t num_accepted = 0;
-  std::size_t num_with_scale = 0;  ///< Of the accepted.
+  std::size_t num_with_scale = 0;    ///< Of the accepted.
+  std::size_t num_into_earlier = 0;  ///< Of the accepted: that lead into the earlier map.
 };
 
 LoopCounts count_loops(const Map& map);

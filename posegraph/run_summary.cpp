@@ -47,6 +47,7 @@ Json loops_json(const Map& map) {
   return {{"hypotheses", counts.num_hypotheses},
           {"accepted", counts.num_accepted},
           {"accepted_with_scale", counts.num_with_scale},
+          {"accepted_into_earlier_map", counts.num_into_earlier},
           {"neighbour_links", num_links},
           {"verdicts", verdicts}};
 }

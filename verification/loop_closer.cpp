@@ -1,107 +1,192 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "verification/loop_closer.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
-#include <chrono>
+#include <cmath>
 #include <string>
 #include <utility>
 
 #include "frontend/error.h"
+#include "frontend/fabmap/model_hash.h"
 #include "frontend/parallel.h"
+#include "frontend/stopwatch.h"
 
 namespace fabloop {
 namespace {
 
-/// Adds the time until its end to a figure.
-class Stopwatch {
- public:
-  explicit Stopwatch(double& seconds) : seconds_(seconds), start_(std::chrono::steady_clock::now()) {}
-  ~Stopwatch() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-  Stopwatch(const Stopwatch&) = delete;
-  Stopwatch& operator=(const Stopwatch&) = delete;
+void validate(const LoopCloserOptions& options) {
+  predict(options.motion, Belief{}, 0);  // throws for numbers that are no probabilities
+  if (!(options.point_sigma > 0.0)) throw InputError("point_sigma must be positive: the points' error as a share of their depth");
+  const Pose& pose = options.body_from_camera;
+  constexpr double kMaxQuaternionNormError = 1e-3;
+  if (!pose.translation.allFinite() || !(std::abs(pose.rotation.norm() - 1.0) < kMaxQuaternionNormError)) {
+    throw InputError("body_from_camera is no pose: its translation must be finite and its quaternion of unit length");
+  }
+}
 
- private:
-  double& seconds_;
-  std::chrono::steady_clock::time_point start_;
-};
+void require_model(const KeyframeMap& earlier, const Model& model) {
+  if (earlier.keyframes.empty() || earlier.model_hash == model_hash(model)) return;
+  throw InputError(
+      "the earlier map was made with another model, whose words mean something else; give the model that it was made with, or "
+      "map "
+      "again");
+}
 
 }  // namespace
 
-LoopCloser::LoopCloser(const Camera& camera, const Model& model, const LoopCloserOptions& options)
-    : camera_(camera),
-      options_(options),
-      descriptor_kind_(model.features.kind.descriptor),
+LoopCloser::LoopCloser(const Camera& camera, const Model& model, const LoopCloserOptions& options, KeyframeMap earlier)
+    : options_(options),
+      extractor_(model.features),
       domain_check_(model, {.warn = options.warn}),
       recognizer_(model, options.recognizer),
       words_(model.vocabulary, options.words),
-      verifier_(options.verifier) {}
-
-LoopEvent LoopCloser::add_keyframe(Keyframe keyframe) {
-  if (keyframe.features.descriptor_kind != descriptor_kind_) {
-    throw InputError("the model knows " + std::string(to_string(descriptor_kind_)) + " descriptors, the keyframe has " +
-                     std::string(to_string(keyframe.features.descriptor_kind)) + "; extract with the model's options");
+      verifier_(options.verifier),
+      consistency_(options.consistency, options.odometry) {
+  fabloop::validate(camera, "the loop closer's camera");
+  validate(options);
+  map_ = std::move(earlier);
+  require_model(map_, model);
+  map_.model_hash = model_hash(model);
+  for (std::size_t i = 0; i < map_.keyframes.size(); ++i) {
+    add_place(map_.keyframes[i].words, i > 0 && map_.keyframes[i].session == map_.keyframes[i - 1].session);
   }
+  num_earlier_ = map_.keyframes.size();
+  map_.sessions.push_back({camera, options.body_from_camera});
+}
+
+LoopEvent LoopCloser::add_keyframe(const Keyframe& keyframe) {
+  fabloop::validate(keyframe, map_.sessions.back().camera, extractor_.options().kind.descriptor);
+  if (num_of_this_session() > 0) require_follows(keyframe, map_.keyframes.back().view.frame, map_.keyframes.back().time_ns);
   LoopEvent event;
   event.query = keyframe.frame;
-  Observation observation;
-  {
-    const Stopwatch watch(event.times.words_s);
-    observation = words_.observe(keyframe.features.descriptors);
-  }
-  domain_check_.add(observation);
-  const std::vector<Hypothesis> hypotheses = recognise(observation, event);
-  views_.push_back(make_view(keyframe.frame, camera_, std::move(keyframe.features)));
-  odom_from_cameras_.push_back(keyframe.odom_from_camera);
-  {
-    const Stopwatch watch(event.times.neighbour_s);
-    event.neighbours = link_to_earlier(views_.back());
-  }
+  event.time_ns = keyframe.time_ns;
+  event.session = session();
+  MapKeyframe seen = look_at(keyframe, event.times);
+  Belief belief = recognise(seen.words, event.times);
+  // Whatever can be refused was refused by now, and nothing has changed yet.
+  const std::vector<Hypothesis> hypotheses = most_probable(belief, event);
+  remember(std::move(seen), std::move(belief));
+  link_to_earlier(event);
   verify(hypotheses, event);
+  hand_out_loops(event);
   return event;
 }
 
-std::vector<Hypothesis> LoopCloser::recognise(const Observation& observation, LoopEvent& event) {
+MapKeyframe LoopCloser::look_at(const Keyframe& keyframe, LoopCloserTimes& times) const {
+  Features features;
+  if (keyframe.features) {
+    features = *keyframe.features;
+    features.descriptors = features.descriptors.clone();  // hosts reuse their buffers
+  } else {
+    const Stopwatch watch(times.features_s);
+    features = extractor_.extract(keyframe.image);
+  }
+  MapKeyframe seen;
+  seen.session = session();
+  seen.time_ns = keyframe.time_ns;
+  seen.odom_from_body = {keyframe.odom_from_body.rotation.normalized(), keyframe.odom_from_body.translation};
+  seen.step_covariance = keyframe.step_covariance;
+  const Stopwatch watch(times.words_s);
+  seen.words = words_.observe(features.descriptors);
+  seen.view = view_of(keyframe, map_.sessions.back().camera, std::move(features), options_.point_sigma);
+  return seen;
+}
+
+Belief LoopCloser::recognise(const Observation& words, LoopCloserTimes& times) const {
+  const Stopwatch watch(times.recognise_s);
+  return recognizer_.recognize(words,
+                               belief_ ? predict(options_.motion, *belief_, ways_) : uniform_prior(recognizer_.num_places()));
+}
+
+std::vector<Hypothesis> LoopCloser::most_probable(const Belief& belief, LoopEvent& event) const {
   const Stopwatch watch(event.times.recognise_s);
-  const std::size_t num_places = recognizer_.num_places();
-  const Prior prior = belief_ ? predict(options_.motion, *belief_, num_places) : uniform_prior(num_places);
-  belief_ = recognizer_.recognize(observation, prior);
-  recognizer_.add_place(observation);
-  const auto all = ranked_hypotheses(*belief_, {num_places, options_.hypotheses.num_recent_excluded, 0.0});
+  const std::size_t num_recent = std::min(options_.hypotheses.num_recent_excluded, num_of_this_session());
+  const auto all = ranked_hypotheses(belief, {belief.p_place.size(), num_recent, 0.0});
   std::vector<Hypothesis> best;
+  std::size_t num_earlier = 0, num_own = 0;
   double p_known = 0;
   for (const Hypothesis& hypothesis : all) {
     p_known += hypothesis.probability;
-    if (best.size() < options_.hypotheses.max_hypotheses && hypothesis.probability >= options_.hypotheses.min_probability) {
-      best.push_back(hypothesis);
-    }
+    std::size_t& num_chosen = hypothesis.place < num_earlier_ ? num_earlier : num_own;
+    if (num_chosen == options_.hypotheses.max_hypotheses || hypothesis.probability < options_.hypotheses.min_probability)
+      continue;
+    best.push_back(hypothesis);
+    ++num_chosen;
   }
   event.p_new = std::max(0.0, 1.0 - p_known);
   return best;
 }
 
-std::vector<NeighbourLink> LoopCloser::link_to_earlier(View& view) {
-  const std::size_t current = views_.size() - 1;
-  std::vector<NeighbourLink> links;
-  for (std::size_t distance = 1; distance <= options_.max_neighbour_distance && distance <= current; distance *= 2) {
-    if (links.size() == options_.num_neighbours) break;
-    const std::size_t earlier = current - distance;
+void LoopCloser::remember(MapKeyframe keyframe, Belief belief) {
+  domain_check_.add(keyframe.words);
+  add_place(keyframe.words, num_of_this_session() > 0);
+  belief_ = std::move(belief);
+  map_.keyframes.push_back(std::move(keyframe));
+}
+
+void LoopCloser::add_place(const Observation& words, bool follows_last) {
+  const PlaceId place = recognizer_.add_place(words);
+  ways_.next.resize(recognizer_.num_places());
+  if (follows_last) link(ways_, place - 1, place);
+}
+
+void LoopCloser::link_to_earlier(LoopEvent& event) {
+  const Stopwatch watch(event.times.neighbour_s);
+  const std::size_t current = map_.keyframes.size() - 1;
+  event.changed.push_back(current);
+  for (std::size_t distance = 1; distance <= options_.max_neighbour_distance && distance < num_of_this_session(); distance *= 2) {
+    if (event.neighbours.size() == options_.num_neighbours) break;
+    MapKeyframe& earlier = map_.keyframes[current - distance];
+    MapKeyframe& now = map_.keyframes[current];
     NeighbourOptions options = options_.neighbour;
-    options.seed = pair_seed(options_.verifier.seed, view.frame, views_[earlier].frame);
-    const Pose earlier_from_current = odom_from_cameras_[earlier].inverse() * odom_from_cameras_[current];
-    const auto link = link_neighbours(views_[earlier], view, earlier_from_current, options);
-    if (link) links.push_back(*link);
+    options.seed = pair_seed(options_.verifier.seed, now.view.frame, earlier.view.frame);
+    const Pose& body_from_camera = options_.body_from_camera;
+    const Pose earlier_from_now = (earlier.odom_from_body * body_from_camera).inverse() * (now.odom_from_body * body_from_camera);
+    const auto link = link_neighbours(earlier.view, now.view, earlier_from_now, options);
+    if (!link) continue;
+    event.neighbours.push_back(*link);
+    event.changed.push_back(current - distance);
   }
-  return links;
 }
 
 void LoopCloser::verify(const std::vector<Hypothesis>& hypotheses, LoopEvent& event) const {
   const Stopwatch watch(event.times.verify_s);
   event.hypotheses.resize(hypotheses.size());
   parallel_for(hypotheses.size(), options_.num_threads, [&](std::size_t i) {
-    const View& match = views_[hypotheses[i].place];
-    event.hypotheses[i] = {match.frame, hypotheses[i].probability, hypotheses[i].log_likelihood,
-                           verifier_.verify(views_.back(), match)};
+    const MapKeyframe& match = map_.keyframes[hypotheses[i].place];
+    event.hypotheses[i] = {match.view.frame, match.session, hypotheses[i].probability, hypotheses[i].log_likelihood,
+                           verifier_.verify(map_.keyframes.back().view, match.view,
+                                            {odometry_prior(hypotheses[i].place), hypotheses[i].probability})};
   });
+}
+
+std::optional<PosePrior> LoopCloser::odometry_prior(std::size_t match) const {
+  if (match < num_earlier_) return std::nullopt;
+  const UncertainPose body_from_camera{options_.body_from_camera};
+  const UncertainPose match_body_from_query_body = odometry_between(map_, match, map_.keyframes.size() - 1, options_.odometry);
+  const UncertainPose match_from_query = inverse(body_from_camera) * match_body_from_query_body * body_from_camera;
+  // A body that stood still, or a host that is certain of an axis, leaves the prior without an inverse.
+  if (match_from_query.covariance.llt().info() != Eigen::Success) return std::nullopt;
+  return PosePrior{match_from_query.pose, match_from_query.covariance};
+}
+
+void LoopCloser::hand_out_loops(LoopEvent& event) {
+  std::vector<LoopClosure> proven;
+  for (const HypothesisOutcome& outcome : event.hypotheses) {
+    if (outcome.verification.verdict != Verdict::Accepted) continue;
+    const Pose& match_body_from_camera = map_.sessions[outcome.match_session].body_from_camera;
+    proven.push_back(loop_closure(event.query, outcome, options_.body_from_camera, match_body_from_camera));
+  }
+  ConfirmedLoops confirmed = consistency_.add(map_, proven);
+  event.loops = std::move(confirmed.now);
+  event.confirmed = std::move(confirmed.earlier);
+  for (HypothesisOutcome& outcome : event.hypotheses) {
+    const bool is_handed_out = std::any_of(event.loops.begin(), event.loops.end(), [&](const LoopClosure& loop) {
+      return loop.match == outcome.match && loop.match_session == outcome.match_session;
+    });
+    if (outcome.verification.verdict == Verdict::Accepted && !is_handed_out) outcome.verification.verdict = Verdict::Unconfirmed;
+  }
 }
 
 }  // namespace fabloop

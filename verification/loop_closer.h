@@ -10,15 +10,19 @@
 #include "frontend/fabmap/hypotheses.h"
 #include "frontend/fabmap/model.h"
 #include "frontend/fabmap/motion_model.h"
+#include "frontend/fabmap/place_graph.h"
 #include "frontend/fabmap/place_recognizer.h"
 #include "frontend/fabmap/word_finder.h"
-#include "frontend/features/features.h"
+#include "frontend/features/feature_extractor.h"
 #include "frontend/geometry/camera.h"
 #include "frontend/geometry/pose.h"
 #include "frontend/progress.h"
+#include "verification/keyframe.h"
+#include "verification/keyframe_map.h"
+#include "verification/loop_event.h"
 #include "verification/neighbour.h"
+#include "verification/temporal_consistency.h"
 #include "verification/verifier.h"
-#include "verification/view.h"
 
 namespace fabloop {
 
@@ -26,9 +30,14 @@ struct LoopCloserOptions {
   WordFinderOptions words;
   PlaceRecognizerOptions recognizer;
   MotionModel motion;
-  HypothesesOptions hypotheses;
+  HypothesesOptions hypotheses;  ///< With an earlier map, `max_hypotheses` of its places and as many of this session's.
   VerifierOptions verifier;
   NeighbourOptions neighbour;
+  ConsistencyOptions consistency;  ///< Off by default: every proven loop is handed out at once.
+  OdometryStepNoise odometry;      ///< Of steps whose keyframes have no covariance.
+  Pose body_from_camera;           ///< Where the camera sits on the body whose odometry is given.
+  /// Relative standard deviation of the points and depths that keyframes bring along. More for stereo of a short baseline.
+  double point_sigma = 0.02;
   /// So many earlier keyframes give this one's features a depth: those 1, 2, 4, ... back that show enough of the same. The
   /// further ones have more parallax, the nearer ones more in common.
   std::size_t num_neighbours = 3;
@@ -38,65 +47,48 @@ struct LoopCloserOptions {
   Warn warn{};          ///< Told when keyframes look unlike the images that the model was trained on; see DomainCheck.
 };
 
-/// One image as a host hands it over.
-struct Keyframe {
-  std::size_t frame = 0;  ///< The host's number for it; ascending.
-  Features features;      ///< Extracted with the model's options.
-  Pose odom_from_camera;
-};
-
-/// A place that the image may show, and what became of it.
-struct HypothesisOutcome {
-  std::size_t match = 0;  ///< Keyframe::frame of the place.
-  double probability = 0;
-  double log_likelihood = 0;
-  Verification verification;
-};
-
-/// Seconds spent on one keyframe.
-struct LoopCloserTimes {
-  double words_s = 0;      ///< Descriptors to words.
-  double recognise_s = 0;  ///< Posterior and ranking.
-  double neighbour_s = 0;  ///< Link and triangulation.
-  double verify_s = 0;     ///< All hypotheses.
-};
-
-/// Everything that one keyframe led to.
-struct LoopEvent {
-  std::size_t query = 0;
-  double p_new = 1;                           ///< Probability that the place was never seen before, neighbours in time left out.
-  std::vector<HypothesisOutcome> hypotheses;  ///< Most probable first; accepted ones have Verdict::Accepted.
-  std::vector<NeighbourLink> neighbours;      ///< What the images say about the way from earlier keyframes, nearest first.
-  LoopCloserTimes times;
-};
-
 /// The module that a SLAM system plugs in: keyframe in; ranked hypotheses, verdicts and accepted loops out. Keeps every
-/// keyframe's features in memory. Not safe to call from several threads at once.
+/// keyframe's features in memory. Not safe to call from several threads at once; AsyncLoopCloser is.
 class LoopCloser {
  public:
-  /// Throws InputError when the model is not valid.
-  LoopCloser(const Camera& camera, const Model& model, const LoopCloserOptions& options = {});
+  /// With the map of earlier sessions (see read_keyframe_map()), keyframes are recognised among those too. Throws InputError when
+  /// the model, the camera or an option is not valid, or when the map was made with another model.
+  LoopCloser(const Camera& camera, const Model& model, const LoopCloserOptions& options = {}, KeyframeMap earlier = {});
 
-  /// Throws InputError when the features are not those of the model.
-  LoopEvent add_keyframe(Keyframe keyframe);
+  /// Throws InputError when the keyframe is inconsistent (see validate()), does not come after the one before, or has features
+  /// that are not the model's. A refused keyframe changes nothing.
+  LoopEvent add_keyframe(const Keyframe& keyframe);
 
-  const std::vector<View>& views() const { return views_; }
+  /// All keyframes so far, those of earlier sessions first. Their positions are FAB-MAP's places.
+  const KeyframeMap& map() const { return map_; }
 
  private:
-  std::vector<Hypothesis> recognise(const Observation& observation, LoopEvent& event);
-  std::vector<NeighbourLink> link_to_earlier(View& view);
+  MapKeyframe look_at(const Keyframe& keyframe, LoopCloserTimes& times) const;
+  Belief recognise(const Observation& words, LoopCloserTimes& times) const;
+  std::vector<Hypothesis> most_probable(const Belief& belief, LoopEvent& event) const;
+  void remember(MapKeyframe keyframe, Belief belief);
+  void link_to_earlier(LoopEvent& event);
   void verify(const std::vector<Hypothesis>& hypotheses, LoopEvent& event) const;
+  /// What the odometry says of the pose of the last keyframe's camera in that of an earlier one, where it says anything.
+  std::optional<PosePrior> odometry_prior(std::size_t match) const;
+  void hand_out_loops(LoopEvent& event);
 
-  Camera camera_;
+  void add_place(const Observation& words, bool follows_last);
+
+  std::size_t session() const { return map_.sessions.size() - 1; }
+  std::size_t num_of_this_session() const { return map_.keyframes.size() - num_earlier_; }
+
   LoopCloserOptions options_;
-  DescriptorKind descriptor_kind_;
+  FeatureExtractor extractor_;
   DomainCheck domain_check_;
   PlaceRecognizer recognizer_;
   WordFinder words_;
   Verifier verifier_;
-  std::optional<Belief> belief_;
-  std::vector<View> views_;              ///< By place.
-  std::vector<Pose> odom_from_cameras_;  ///< By place.
+  TemporalConsistency consistency_;
+  std::optional<Belief> belief_;  ///< After the last keyframe.
+  KeyframeMap map_;               ///< Its keyframes are the recogniser's places.
+  PlaceGraph ways_;               ///< Which places follow which, in each session.
+  std::size_t num_earlier_ = 0;   ///< Keyframes of earlier sessions.
 };
 
 }  // namespace fabloop

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "verification/pose_choice.h"
+
 namespace fabloop {
 namespace {
 
@@ -21,7 +23,10 @@ constexpr double kMaxAppearance = 0.98;
 double loop_probability(const LoopEvidence& evidence) {
   const double p = std::clamp(evidence.p_appearance, kMinAppearance, kMaxAppearance);
   double log_odds = std::log(p / (1.0 - p)) + kOffset + kPerDecade * std::min(kMaxDecades, -evidence.log10_false_alarms);
-  if (evidence.squared_distance) log_odds -= 0.5 * std::max(0.0, *evidence.squared_distance - evidence.degrees_of_freedom);
+  if (evidence.squared_distance) {
+    const double beyond = std::max(0.0, *evidence.squared_distance - evidence.degrees_of_freedom);
+    log_odds += prior_log_likelihood(beyond, evidence.degrees_of_freedom);
+  }
   return 1.0 / (1.0 + std::exp(-log_odds));
 }
 

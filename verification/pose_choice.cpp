@@ -30,7 +30,7 @@ double log_likelihood(const PoseCandidate& candidate, double max_error_rad, cons
   if (!prior) return sum;
   Pose pose = candidate.relative.match_from_query;
   pose.translation *= candidate.scale ? candidate.scale->baseline : prior->match_from_query.translation.norm();
-  return sum - 0.5 * squared_distance(pose, Eigen::Matrix<double, 6, 6>::Zero(), *prior);
+  return sum + prior_log_likelihood(squared_distance(pose, *prior), 6);
 }
 
 }  // namespace
@@ -53,13 +53,17 @@ std::vector<PoseCandidate> pose_candidates(const View& query, const View& match,
   return candidates;
 }
 
-double squared_distance(const Pose& match_from_query, const Eigen::Matrix<double, 6, 6>& covariance, const PosePrior& prior) {
+double squared_distance(const Pose& match_from_query, const PosePrior& prior) {
   const Pose difference = prior.match_from_query.inverse() * match_from_query;
   const Eigen::AngleAxisd turn(difference.rotation);
   Eigen::Matrix<double, 6, 1> error;
   error << difference.translation, turn.angle() * turn.axis();
-  const Eigen::Matrix<double, 6, 6> sum = covariance + prior.covariance;
-  return error.dot(sum.ldlt().solve(error));
+  return error.dot(prior.covariance.ldlt().solve(error));
+}
+
+double prior_log_likelihood(double squared_distance, int degrees_of_freedom) {
+  constexpr double kTail = 4.0;
+  return -0.5 * (kTail + degrees_of_freedom) * std::log1p(squared_distance / kTail);
 }
 
 }  // namespace fabloop

@@ -37,8 +37,11 @@ std::vector<PoseCandidate> pose_candidates(const View& query, const View& match,
                                            const RelativePoseOptions& pose_options, const ScaleOptions& scale_options,
                                            const std::optional<PosePrior>& prior);
 
-/// Squared Mahalanobis distance of a pose from a prior: chi-square distributed with 6 degrees of freedom for a right one, 5
-/// without scale (then the length of the prior is taken). `covariance` is the pose's own, in the same axes.
-double squared_distance(const Pose& match_from_query, const Eigen::Matrix<double, 6, 6>& covariance, const PosePrior& prior);
+/// Squared Mahalanobis distance of a pose from a prior.
+double squared_distance(const Pose& match_from_query, const PosePrior& prior);
+
+/// Logarithm of the density of a pose at that distance from a prior, over the density at the prior: Student's t with four
+/// degrees of freedom, since odometry now and then errs by more than it says.
+double prior_log_likelihood(double squared_distance, int degrees_of_freedom);
 
 }  // namespace fabloop

@@ -161,7 +161,7 @@ LoopEvidence evidence_of(const Verification& found, const PairPrior& prior) {
   if (!prior.pose || found.information.isZero()) return evidence;
   Pose pose = found.match_from_query;
   if (!found.has_scale) pose.translation *= prior.pose->match_from_query.translation.norm();
-  evidence.squared_distance = squared_distance(pose, Eigen::Matrix<double, 6, 6>::Zero(), *prior.pose);
+  evidence.squared_distance = squared_distance(pose, *prior.pose);
   evidence.degrees_of_freedom = found.has_scale ? 6 : 5;
   return evidence;
 }

@@ -6,6 +6,12 @@
 #include <utility>
 
 namespace fabloop {
+namespace {
+
+/// What two neighbours' rotation is uncertain by; over the parallax it is the relative error of a depth.
+constexpr double kAngleSigmaRad = 0.005;
+
+}  // namespace
 
 View make_view(std::size_t frame, const Camera& camera, Features features) {
   std::vector<Eigen::Vector2d> pixels;
@@ -22,8 +28,6 @@ View make_view(std::size_t frame, const Camera& camera, Features features) {
 }
 
 void add_point_measurement(View& view, std::size_t i, const Eigen::Vector3d& x_in_camera, double parallax_rad) {
-  // What two neighbours' rotation is uncertain by; over the parallax it is the relative error of a depth.
-  constexpr double kAngleSigmaRad = 0.005;
   constexpr double kSigmas = 3.0;
   auto& known = view.points_in_camera[i];
   double& weight = view.point_weights[i];
@@ -43,6 +47,12 @@ void add_point_measurement(View& view, std::size_t i, const Eigen::Vector3d& x_i
     *known = (weight * *known + new_weight * x_in_camera) / (weight + new_weight);
     weight += new_weight;
   }
+}
+
+void set_known_point(View& view, std::size_t i, const Eigen::Vector3d& x_in_camera, double relative_sigma) {
+  const double parallax_rad = kAngleSigmaRad / relative_sigma;
+  view.points_in_camera[i] = x_in_camera;
+  view.point_weights[i] = parallax_rad * parallax_rad;
 }
 
 std::size_t count_points(const View& view) {

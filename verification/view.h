@@ -29,6 +29,10 @@ View make_view(std::size_t frame, const Camera& camera, Features features);
 /// loses its point until it is measured again.
 void add_point_measurement(View& view, std::size_t i, const Eigen::Vector3d& x_in_camera, double parallax_rad);
 
+/// Gives feature i of a view a point that somebody else measured (a depth camera, a host's map), known to `relative_sigma` of
+/// its depth. It weighs as a triangulated point of that accuracy.
+void set_known_point(View& view, std::size_t i, const Eigen::Vector3d& x_in_camera, double relative_sigma);
+
 /// Number of features whose depth is known.
 std::size_t count_points(const View& view);
 

@@ -12,14 +12,14 @@
 
 namespace fabloop {
 
-/// A state file's content does not make sense. Caught where the file is read; never reaches the user.
+/// The content of a state file or of a keyframe map does not make sense. Caught where the file is read; never reaches the user.
 class StateDamaged : public std::runtime_error {
  public:
-  StateDamaged() : std::runtime_error("a damaged training state") {}
+  StateDamaged() : std::runtime_error("damaged content") {}
 };
 
-/// Numbers, vectors and matrices one after another, as they lie in memory: what the files of a training state hold. They are
-/// read again in the order in which they were put. `take` throws StateDamaged where there is something else.
+/// Numbers, vectors and matrices one after another, as they lie in memory: what the files of a training state and keyframe maps
+/// hold. They are read again in the order in which they were put. `take` throws StateDamaged where there is something else.
 class StateBytes {
  public:
   StateBytes() = default;

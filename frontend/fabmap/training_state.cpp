@@ -8,6 +8,7 @@
 #include <sstream>
 #include <utility>
 
+#include "frontend/checksum.h"
 #include "frontend/error.h"
 #include "frontend/output_file.h"
 
@@ -19,21 +20,6 @@ namespace fs = std::filesystem;
 // A state file is: magic, size of the content (u64), its checksum (u64), content. It is read on the machine that wrote it.
 constexpr std::array<char, 8> kMagic = {'F', 'A', 'B', 'L', 'O', 'O', 'P', 'S'};
 constexpr const char* kInputsName = "inputs.txt";
-
-/// FNV-1a (Fowler, Noll and Vo), eight bytes at a time: it finds what a crash or a bad disk leaves, not what an enemy does.
-std::uint64_t checksum(const std::string& bytes) {
-  constexpr std::uint64_t kPrime = 1099511628211ULL;
-  std::uint64_t hash = 14695981039346656037ULL ^ bytes.size();
-  std::size_t i = 0;
-  for (; i + sizeof(std::uint64_t) <= bytes.size(); i += sizeof(std::uint64_t)) {
-    std::uint64_t word = 0;
-    std::memcpy(&word, bytes.data() + i, sizeof(word));
-    hash = (hash ^ word) * kPrime;
-    hash ^= hash >> 32;  // the upper bytes of a word would never reach the lower bits
-  }
-  for (; i < bytes.size(); ++i) hash = (hash ^ static_cast<unsigned char>(bytes[i])) * kPrime;
-  return hash;
-}
 
 std::optional<std::string> text_of(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);

@@ -62,6 +62,17 @@ TEST(LoopTruth, ReadsASequenceFolder) {
   EXPECT_EQ(truth.pairs->at({1, 2}).overlap, 0.0);
 }
 
+TEST(LoopTruth, LoopsIntoAnEarlierMapAreLeftOut) {
+  const ScratchFolder folder;
+  const auto loops = folder.write("loops.csv",
+                                  "query,match,verdict,has_scale,tx,ty,tz,qx,qy,qz,qw,session,match_session\n"
+                                  "9,2,Accepted,1,1,2,3,0,0,0,1,1,1\n"
+                                  "9,3,Accepted,1,1,2,3,0,0,0,1,1,0\n");
+  const auto records = read_loops(loops);
+  ASSERT_EQ(records.size(), 1u);
+  EXPECT_EQ(records[0].match, 2u);
+}
+
 TEST(LoopTruth, ABadLineOfTheTruthIsNamed) {
   const ScratchFolder folder;
   const auto frames = folder.write("frames.csv", "filename,timestamp_s\na.jpg,10\nb.jpg,noon\n");

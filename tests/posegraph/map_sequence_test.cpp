@@ -133,5 +133,56 @@ TEST(MapSequence, OneMappableFrameIsRefused) {
   EXPECT_NE(message.find(sequence.name), std::string::npos) << message;
 }
 
+TEST(MapSequence, ALaterSessionFindsItsPlacesInTheEarlierMap) {
+  const test::ScratchFolder scratch;
+  Sequence sequence = read_tiny_sequence();
+  sequence.frames.resize(8);
+  const Model model = map_sequence(sequence, std::nullopt, tiny_map_options()).model;
+  MapSequenceOptions options = tiny_map_options();
+  options.mapper.save_map = scratch.path() / "site.map";
+  const SequenceMap first = map_sequence(sequence, model, options);
+  EXPECT_EQ(read_keyframe_map(options.mapper.save_map, model).keyframes.size(), 8U);
+
+  options.earlier_map = options.mapper.save_map;  // and goes on in it
+  const SequenceMap second = map_sequence(sequence, model, options);
+  expect_one_of_each_per_vertex(second.map);
+  EXPECT_GT(count_loops(second.map).num_into_earlier, 4U) << "the same images again";
+  EXPECT_EQ(count_edges(second.map.graph, EdgeKind::Loop),
+            count_loops(second.map).num_accepted - count_loops(second.map).num_into_earlier);
+  const KeyframeMap both = read_keyframe_map(options.earlier_map, model);
+  EXPECT_EQ(both.sessions.size(), 2U);
+  EXPECT_EQ(both.keyframes.size(), 16U);
+}
+
+TEST(MapSequence, AnEarlierMapNeedsItsModel) {
+  MapSequenceOptions options = tiny_map_options();
+  options.earlier_map = "site.map";
+  const std::string message = test::message_of<InputError>([&] { map_sequence(read_tiny_sequence(), std::nullopt, options); });
+  EXPECT_NE(message.find("site.map"), std::string::npos) << message;
+  EXPECT_NE(message.find("model"), std::string::npos) << message;
+}
+
+TEST(MapSequence, ConfirmedLoopsAreInTheGraphAndOthersAreNot) {
+  const Sequence sequence = read_tiny_sequence();
+  MapSequenceOptions options = tiny_map_options();
+  options.mapper.loops.consistency.num_required = 2;
+  const Map map = map_sequence(sequence, std::nullopt, options).map;
+  std::size_t num_withdrawn = 0;
+  for (const LoopEvent& event : map.events) {
+    for (const HypothesisOutcome& outcome : event.hypotheses) {
+      num_withdrawn += outcome.verification.verdict == Verdict::ContradictsMap;
+    }
+  }
+  std::size_t num_handed_out = 0, num_late = 0;
+  for (const LoopEvent& event : map.events) {
+    num_handed_out += event.loops.size() + event.confirmed.size();
+    num_late += event.confirmed.size();
+  }
+  EXPECT_GT(count_loops(map).num_accepted, 0U);
+  EXPECT_EQ(count_edges(map.graph, EdgeKind::Loop), count_loops(map).num_accepted);
+  EXPECT_EQ(num_handed_out, count_loops(map).num_accepted + num_withdrawn);
+  EXPECT_GT(num_late, 0U) << "the first loops of a revisit come late";
+}
+
 }  // namespace
 }  // namespace fabloop

@@ -42,11 +42,13 @@ Pose pose_on_circle(double angle, double radius) {
   return {Eigen::Quaterniond(rotation), {radius * std::cos(angle), radius * std::sin(angle), kHeightM}};
 }
 
-Features look(std::mt19937_64& random, const Landmarks& landmarks, const Pose& world_from_camera, double noise_px) {
+/// Adds what is seen from a pose to the walk.
+void look(std::mt19937_64& random, const Landmarks& landmarks, const Pose& world_from_camera, double noise_px, Walk& walk) {
   std::normal_distribution<double> normal(0, noise_px);
   const Camera camera = test_camera();
   const Pose camera_from_world = world_from_camera.inverse();
-  Features features;
+  Features& features = walk.features.emplace_back();
+  auto& points = walk.points_in_camera.emplace_back();
   for (std::size_t i = 0; i < landmarks.positions.size(); ++i) {
     const Eigen::Vector3d x_in_camera = camera_from_world * landmarks.positions[i];
     if (x_in_camera.z() < 1) continue;
@@ -55,8 +57,8 @@ Features look(std::mt19937_64& random, const Landmarks& landmarks, const Pose& w
     features.keypoints.emplace_back(static_cast<float>(pixel->x() + normal(random)),
                                     static_cast<float>(pixel->y() + normal(random)), 3.0F);
     features.descriptors.push_back(landmarks.descriptors.row(static_cast<int>(i)));
+    points.emplace_back(x_in_camera);
   }
-  return features;
 }
 
 }  // namespace
@@ -70,7 +72,7 @@ Walk make_walk(const WalkOptions& options) {
     const double angle = 2 * kPi * static_cast<double>(i) / static_cast<double>(options.num_frames);
     const bool is_again = i >= options.num_frames;
     walk.world_from_camera.push_back(pose_on_circle(angle, is_again ? kRadiusM + kAsideM : kRadiusM));
-    walk.features.push_back(look(random, landmarks, walk.world_from_camera.back(), options.noise_px));
+    look(random, landmarks, walk.world_from_camera.back(), options.noise_px, walk);
   }
   ModelTrainingOptions training;
   training.num_words = 200;
@@ -79,6 +81,14 @@ Walk make_walk(const WalkOptions& options) {
                    walk.features.size(), [&](std::size_t i) { return walk.features[i]; }, training)
                    .model;
   return walk;
+}
+
+Keyframe keyframe_of(const Walk& walk, std::size_t i) {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  return {.frame = 100 + i,
+          .time_ns = static_cast<std::int64_t>(i) * kSecond,
+          .odom_from_body = walk.world_from_camera[i],
+          .features = walk.features[i]};
 }
 
 }  // namespace fabloop::testing_support

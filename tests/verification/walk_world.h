@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "frontend/fabmap/model.h"
 #include "frontend/features/features.h"
 #include "frontend/geometry/pose.h"
+#include "verification/keyframe.h"
 
 namespace fabloop::testing_support {
 
@@ -21,10 +24,14 @@ struct WalkOptions {
 /// A walk round a circle above random landmarks, each with a descriptor of its own, whose start is seen again at its end.
 struct Walk {
   std::vector<Pose> world_from_camera;
-  std::vector<Features> features;  ///< One a frame.
-  Model model;                     ///< Its words were trained on the walk itself.
+  std::vector<Features> features;                                             ///< One a frame.
+  std::vector<std::vector<std::optional<Eigen::Vector3d>>> points_in_camera;  ///< The true point of each feature.
+  Model model;                                                                ///< Its words were trained on the walk itself.
 };
 
 Walk make_walk(const WalkOptions& options = {});
+
+/// Frame i of a walk as a keyframe with the true odometry. Hosts number keyframes as they like: this one from 100, a second each.
+Keyframe keyframe_of(const Walk& walk, std::size_t i);
 
 }  // namespace fabloop::testing_support

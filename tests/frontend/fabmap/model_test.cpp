@@ -4,12 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <limits>
 #include <string>
 #include <utility>
 
 #include "frontend/error.h"
+#include "frontend/fabmap/model_hash.h"
 #include "frontend/fabmap/model_training.h"
 #include "frontend/fabmap/place_recognizer.h"
 #include "tests/support/descriptor_sampling.h"
@@ -220,6 +222,33 @@ TEST(ModelTraining, TakesImagesWithoutFeatures) {
   EXPECT_NO_THROW(validate(trained.model, "model"));
   EXPECT_THROW(train_model(3, [](std::size_t) { return Features{}; }), InputError);
   EXPECT_THROW(train_model(0, features), InputError);
+}
+
+TEST_F(ModelFile, KeepsItsHash) {
+  const Model model = some_model();
+  write_model(path("m"), model);
+  EXPECT_EQ(model_hash(read_model(path("m"))), model_hash(model));
+}
+
+TEST(ModelHash, ChangesWithAllThatWordsMeanAndNothingElse) {
+  const Model model = some_model();
+  const std::string hash = model_hash(model);
+  EXPECT_EQ(hash.size(), 16U);
+  Model other = model;
+  other.provenance.command = "another";
+  other.background.clear();
+  EXPECT_EQ(model_hash(other), hash);
+  const std::vector<std::function<void(Model&)>> changes = {
+      [](Model& m) { m.features.detection_threshold = 0.003; },
+      [](Model& m) { m.detector.p_seen_if_absent = 0.02; },
+      [](Model& m) { m.tree.nodes.back().p_if_parent += 1e-9; },
+      [](Model& m) { (m.vocabulary.words = m.vocabulary.words.clone()).at<float>(29, 6) += 1e-4F; },
+  };
+  for (const auto& change : changes) {
+    other = model;
+    change(other);
+    EXPECT_NE(model_hash(other), hash);
+  }
 }
 
 }  // namespace

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "verification/keyframe_map_rows.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <type_traits>
+#include <utility>
+
+#include "frontend/error.h"
+#include "frontend/fabmap/state_bytes.h"
+
+namespace fabloop::keyframe_map_rows {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "map files are read and written as they lie in memory");
+
+/// A keypoint as it stands in the file, whatever OpenCV makes of it.
+struct StoredKeypoint {
+  float x, y, size, angle, response;
+  std::int32_t octave, class_id;
+};
+
+/// A known point of a view's feature.
+struct StoredPoint {
+  std::uint64_t feature;
+  double x, y, z, weight;
+};
+
+void put(StateBytes& bytes, const Pose& pose) {
+  for (const double value : pose.translation) bytes.put(value);
+  for (const double value : pose.rotation.coeffs()) bytes.put(value);
+}
+
+Pose take_pose(StateBytes& bytes) {
+  Pose pose;
+  for (double& value : pose.translation) bytes.take(value);
+  for (double& value : pose.rotation.coeffs()) bytes.take(value);
+  return pose;
+}
+
+void put(StateBytes& bytes, const Features& features) {
+  std::vector<StoredKeypoint> keypoints;
+  for (const cv::KeyPoint& k : features.keypoints) {
+    keypoints.push_back({k.pt.x, k.pt.y, k.size, k.angle, k.response, k.octave, k.class_id});
+  }
+  bytes.put(static_cast<std::int32_t>(features.descriptor_kind));
+  bytes.put(keypoints);
+  bytes.put(features.descriptors.empty() ? cv::Mat(0, 0, CV_8UC1) : features.descriptors);
+}
+
+Features take_features(StateBytes& bytes) {
+  std::int32_t kind = 0;
+  std::vector<StoredKeypoint> keypoints;
+  Features features;
+  bytes.take(kind);
+  bytes.take(keypoints);
+  bytes.take(features.descriptors);
+  if (kind < 0 || kind > static_cast<std::int32_t>(DescriptorKind::Kaze)) throw StateDamaged();
+  features.descriptor_kind = static_cast<DescriptorKind>(kind);
+  if (features.descriptors.rows != static_cast<int>(keypoints.size())) throw StateDamaged();
+  for (const StoredKeypoint& k : keypoints) {
+    features.keypoints.emplace_back(k.x, k.y, k.size, k.angle, k.response, k.octave, k.class_id);
+  }
+  return features;
+}
+
+void require_end(const StateBytes& bytes) {
+  if (!bytes.at_end()) throw StateDamaged();
+}
+
+}  // namespace
+
+std::string row_of(const MapSession& session) {
+  const Camera& camera = session.camera;
+  StateBytes bytes;
+  bytes.put(static_cast<std::int32_t>(camera.width));
+  bytes.put(static_cast<std::int32_t>(camera.height));
+  for (const double value : {camera.fx, camera.fy, camera.cx, camera.cy}) bytes.put(value);
+  bytes.put(static_cast<std::int32_t>(camera.distortion_model));
+  bytes.put(camera.distortion);
+  put(bytes, session.body_from_camera);
+  return bytes.bytes();
+}
+
+MapSession session_of(std::string_view row) {
+  StateBytes bytes{std::string(row)};
+  MapSession session;
+  Camera& camera = session.camera;
+  std::int32_t width = 0, height = 0, distortion_model = 0;
+  bytes.take(width);
+  bytes.take(height);
+  for (double* value : {&camera.fx, &camera.fy, &camera.cx, &camera.cy}) bytes.take(*value);
+  bytes.take(distortion_model);
+  bytes.take(camera.distortion);
+  session.body_from_camera = take_pose(bytes);
+  require_end(bytes);
+  if (distortion_model < 0 || distortion_model > static_cast<std::int32_t>(DistortionModel::Equidistant)) throw StateDamaged();
+  camera.width = width;
+  camera.height = height;
+  camera.distortion_model = static_cast<DistortionModel>(distortion_model);
+  try {
+    validate(camera, "camera");
+  } catch (const InputError&) {
+    throw StateDamaged();
+  }
+  return session;
+}
+
+std::string row_of(const MapKeyframe& keyframe) {
+  StateBytes bytes;
+  bytes.put(static_cast<std::uint64_t>(keyframe.view.frame));
+  bytes.put(keyframe.time_ns);
+  put(bytes, keyframe.odom_from_body);
+  std::vector<double> covariance;
+  if (keyframe.step_covariance) covariance.assign(keyframe.step_covariance->data(), keyframe.step_covariance->data() + 36);
+  bytes.put(covariance);
+  bytes.put(keyframe.words.words);
+  put(bytes, keyframe.view.features);
+  return bytes.bytes();
+}
+
+MapKeyframe keyframe_of(std::string_view row, const Camera& camera) {
+  StateBytes bytes{std::string(row)};
+  MapKeyframe keyframe;
+  std::uint64_t frame = 0;
+  std::vector<double> covariance;
+  bytes.take(frame);
+  bytes.take(keyframe.time_ns);
+  keyframe.odom_from_body = take_pose(bytes);
+  bytes.take(covariance);
+  bytes.take(keyframe.words.words);
+  Features features = take_features(bytes);
+  require_end(bytes);
+  if (covariance.size() == 36) {
+    keyframe.step_covariance = Eigen::Map<const Eigen::Matrix<double, 6, 6>>(covariance.data());
+  } else if (!covariance.empty()) {
+    throw StateDamaged();
+  }
+  keyframe.view = make_view(frame, camera, std::move(features));
+  return keyframe;
+}
+
+std::string points_row_of(const View& view) {
+  std::vector<StoredPoint> points;
+  for (std::size_t i = 0; i < view.points_in_camera.size(); ++i) {
+    const auto& point = view.points_in_camera[i];
+    if (point) points.push_back({i, point->x(), point->y(), point->z(), view.point_weights[i]});
+  }
+  StateBytes bytes;
+  bytes.put(points);
+  return bytes.bytes();
+}
+
+void set_points(std::string_view row, View& view) {
+  StateBytes bytes{std::string(row)};
+  std::vector<StoredPoint> points;
+  bytes.take(points);
+  require_end(bytes);
+  for (const StoredPoint& point : points) {
+    if (point.feature >= view.points_in_camera.size()) throw StateDamaged();
+    view.points_in_camera[point.feature] = Eigen::Vector3d(point.x, point.y, point.z);
+    view.point_weights[point.feature] = point.weight;
+  }
+}
+
+}  // namespace fabloop::keyframe_map_rows
