@@ -11,7 +11,7 @@ struct LoopEvidence {
   double p_appearance = 0.5;
   double log10_false_alarms = 0;  ///< Of the inliers; see evidence.h.
   /// Squared Mahalanobis distance of the pose from the odometry's, and its degrees of freedom; none without a prior.
-  std::optional<double> squared_distance;
+  std::optional<double> squared_distance = {};
   int degrees_of_freedom = 6;
 };
 

@@ -29,7 +29,7 @@ double log_likelihood(const PoseCandidate& candidate, double max_error_rad, cons
   if (candidate.scale) sum += candidate.scale->log_likelihood;
   if (!prior) return sum;
   Pose pose = candidate.relative.match_from_query;
-  pose.translation *= candidate.scale ? candidate.scale->baseline : prior->match_from_query.translation.norm();
+  pose.translation *= candidate.scale && candidate.scale->agrees ? candidate.scale->baseline : prior->match_from_query.translation.norm();
   return sum + prior_log_likelihood(squared_distance(pose, *prior), 6);
 }
 

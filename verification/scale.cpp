@@ -68,7 +68,7 @@ std::optional<Scale> estimate_scale(const View& query, const View& match, const 
       agreeing.push_back(ratio.log_baseline);
       depths.push_back(ratio.depth_from_match);
     }
-    if (static_cast<int>(agreeing.size()) < options.min_points) return std::nullopt;
+    if (agreeing.empty()) break;
     centre = median(agreeing);
   }
   Scale scale;
@@ -77,11 +77,11 @@ std::optional<Scale> estimate_scale(const View& query, const View& match, const 
   scale.share = static_cast<double>(agreeing.size()) / static_cast<double>(ratios.size());
   scale.median_depth = median(depths);
   scale.log_likelihood = log_likelihood(ratios, centre);
+  scale.agrees = scale.num_points >= options.min_points && scale.share >= options.min_share;
   double sum_of_squares = 0;
   for (const double value : agreeing) sum_of_squares += (value - centre) * (value - centre);
-  const double variance = sum_of_squares / static_cast<double>(agreeing.size() - 1);
-  scale.relative_sigma = std::sqrt(variance * kPointsPerError / static_cast<double>(agreeing.size()));
-  if (scale.share < options.min_share) return std::nullopt;
+  const double variance = sum_of_squares / std::max(1.0, static_cast<double>(agreeing.size()) - 1.0);
+  scale.relative_sigma = std::sqrt(variance * kPointsPerError / std::max(1.0, static_cast<double>(agreeing.size())));
   return scale;
 }
 

@@ -19,8 +19,10 @@ struct ScaleOptions {
   double min_share = 0.5;  ///< Of the points that tell a depth, how many must agree.
 };
 
-/// The length of a translation whose direction is known.
+/// The length of a translation whose direction is known, by points whose depth is.
 struct Scale {
+  /// Whether enough points tell one length. Where they do not, the points or the pose are wrong.
+  bool agrees = false;
   double baseline = 0;        ///< Length of the translation, in the unit of the points.
   double relative_sigma = 0;  ///< Standard deviation of the baseline over the baseline, from the scatter of the points.
   int num_points = 0;         ///< That agree.
@@ -32,7 +34,7 @@ struct Scale {
 };
 
 /// What the points of either side say about the unit of a pose: each known depth over the depth that its match's rays meet at
-/// with a baseline of one; the robust mean of the logarithms. None without enough points. `match_from_query` has a unit
+/// with a baseline of one; the robust mean of the logarithms. None where fewer points than `min_points` tell a depth. `match_from_query` has a unit
 /// translation, and `matches` agree with it.
 std::optional<Scale> estimate_scale(const View& query, const View& match, const std::vector<Match>& matches,
                                     const Pose& match_from_query, const ScaleOptions& options = {});

@@ -141,7 +141,9 @@ void decide_by_rays(std::span<const RayPair> pairs, const PoseCandidate& chosen,
   result.baseline_to_depth = 1.0 / depth;
   result.information = direction.information;
   result.verdict = Verdict::Accepted;
-  if (chosen.scale) {
+  if (chosen.scale && !chosen.scale->agrees) {
+    result.verdict = Verdict::ScaleDisagrees;
+  } else if (chosen.scale) {
     const Scale& scale = *chosen.scale;
     const double relative_sigma = std::hypot(scale.relative_sigma, options.scale_sigma);
     result.num_point_inliers = scale.num_points;
@@ -151,7 +153,9 @@ void decide_by_rays(std::span<const RayPair> pairs, const PoseCandidate& chosen,
                                 scale.median_depth, options.scale_sigma);
     state_distance(edge, scale.baseline, relative_sigma, scale.median_depth, options, result);
   }
-  if (!result.has_scale && direction.translation_sigma > options.max_direction_sigma) result.verdict = Verdict::PoorlyConstrained;
+  if (result.verdict == Verdict::Accepted && !result.has_scale && direction.translation_sigma > options.max_direction_sigma) {
+    result.verdict = Verdict::PoorlyConstrained;
+  }
 }
 
 LoopEvidence evidence_of(const Verification& found, const PairPrior& prior) {

@@ -25,7 +25,7 @@ struct VerifierOptions {
   double max_error_px = 2.0;
   /// The same for known points, whose own error adds to the pixel's.
   double max_point_error_px = 4.0;
-  double max_log10_false_alarms = -6.0;  ///< Accepted accidents: at most one in a million pairs of accidental matches.
+  double max_log10_false_alarms = -8.0;  ///< Accepted accidents: at most one in 10^8 pairs of accidental matches.
   /// Least share of either image that the inliers' convex hull covers. Pairs that merely touch leave the pose to a few pixels.
   double min_inlier_area = 0.03;
   /// Another pose that so large a share of as many of the left matches agree with makes the texture a repeated one.
@@ -39,7 +39,7 @@ struct VerifierOptions {
   double min_ray_inlier_ratio = 0.7;
   /// Largest standard deviation of the rotation, as a share of the field of view. Loops worse than this bend a map more than
   /// they mend it.
-  double max_rotation_sigma = 0.0125;
+  double max_rotation_sigma = 0.008;
   double max_translation_sigma = 0.03;  ///< The same of the translation across its direction, as a share of the median depth.
   double max_direction_sigma = 0.09;    ///< The same for loops without scale, as a share of the baseline too: radians.
   double scale_sigma = 0.05;            ///< Relative standard deviation of the unit of length: the odometry's step error.
@@ -84,7 +84,7 @@ struct Verification {
 
 /// What is known of a pair before its features are compared.
 struct PairPrior {
-  std::optional<PosePrior> pose;  ///< Tells the two poses of a plane apart, and lowers the probability of what contradicts it.
+  std::optional<PosePrior> pose = {};  ///< Tells the two poses of a plane apart, and lowers the probability of what contradicts it.
   double p_appearance = 0.5;      ///< Probability of the place by appearance; see LoopEvidence.
 };
 
