@@ -25,7 +25,7 @@ LoopClosure loop_closure(std::size_t query, const HypothesisOutcome& outcome, co
   loop.information = camera_error_from_body.transpose() * verification.information * camera_error_from_body;
   loop.covariance = covariance_of(loop.information);
   loop.num_inliers = verification.num_inliers;
-  loop.probability = outcome.probability;
+  loop.probability = verification.p_true;
   return loop;
 }
 

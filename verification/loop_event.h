@@ -35,7 +35,7 @@ struct LoopClosure {
   Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();  ///< covariance_of(information).
   int num_inliers = 0;
-  double probability = 0;  ///< HypothesisOutcome::probability.
+  double probability = 0;  ///< That the loop is right: Verification::p_true.
 };
 
 /// Seconds spent on one keyframe.

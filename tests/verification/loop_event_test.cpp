@@ -27,7 +27,8 @@ class LoopOfBodies : public testing::Test {
     HypothesisOutcome result;
     result.match = 4;
     result.match_session = 1;
-    result.probability = 0.25;
+    result.probability = 0.75;  // by appearance alone
+    result.verification.p_true = 0.25;
     result.verification.verdict = Verdict::Accepted;
     result.verification.num_inliers = 77;
     result.verification.has_scale = true;
