@@ -52,17 +52,18 @@ void print_table(std::ostream& out, const std::vector<SurveySummary>& summaries,
 
 void write_pairs(const std::string& path, const std::vector<SurveyedPair>& pairs, const std::vector<Sequence>& sequences) {
   std::ofstream file(path);
-  file << "query_sequence,query,match_sequence,match,verdict,matches,inliers,num_true,log10_false_alarms,inlier_area,parallax_deg,"
-          "rotation_sigma_deg,translation_sigma,point_inliers,has_scale,iterations,tx,ty,tz,qx,qy,qz,qw\n";
+  file
+      << "query_sequence,query,match_sequence,match,verdict,matches,inliers,num_true,log10_false_alarms,inlier_area,parallax_deg,"
+         "rotation_sigma_deg,translation_sigma,point_inliers,has_scale,iterations,tx,ty,tz,qx,qy,qz,qw\n";
   for (const SurveyedPair& pair : pairs) {
     const Verification& v = pair.verification;
     const Eigen::Quaterniond& q = v.match_from_query.rotation;
     const Eigen::Vector3d& t = v.match_from_query.translation;
     file << sequences[pair.query.sequence].name << ',' << pair.query.frame << ',' << sequences[pair.match.sequence].name << ','
          << pair.match.frame << ',' << to_string(v.verdict) << ',' << v.num_matches << ',' << v.num_inliers << ',' << v.num_true
-         << ',' << v.log10_false_alarms << ',' << v.inlier_area << ',' << v.median_parallax_deg << ',' << v.rotation_sigma_deg << ','
-         << v.translation_sigma << ',' << v.num_point_inliers << ',' << v.has_scale << ',' << v.num_iterations << ',' << t.x()
-         << ',' << t.y() << ',' << t.z() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ',' << q.w() << '\n';
+         << ',' << v.log10_false_alarms << ',' << v.inlier_area << ',' << v.median_parallax_deg << ',' << v.rotation_sigma_deg
+         << ',' << v.translation_sigma << ',' << v.num_point_inliers << ',' << v.has_scale << ',' << v.num_iterations << ','
+         << t.x() << ',' << t.y() << ',' << t.z() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ',' << q.w() << '\n';
   }
   if (!file.flush()) throw InputError(path + ": could not be written");
 }

@@ -34,7 +34,8 @@ void link_neighbours_of(std::vector<View>& views, const Sequence& sequence, cons
       if (!world_from_current || !world_from_earlier) continue;
       NeighbourOptions neighbour = options.neighbour;
       neighbour.seed = pair_seed(options.verifier.seed, views[current].frame, earlier.frame);
-      num_links += link_neighbours(earlier, views[current], world_from_earlier->inverse() * *world_from_current, neighbour).has_value();
+      num_links +=
+          link_neighbours(earlier, views[current], world_from_earlier->inverse() * *world_from_current, neighbour).has_value();
     }
   }
 }
@@ -42,8 +43,8 @@ void link_neighbours_of(std::vector<View>& views, const Sequence& sequence, cons
 std::vector<SurveyedView> views_of(const std::vector<Sequence>& sequences, const PairSurveyOptions& options) {
   std::vector<SurveyedView> all;
   for (std::size_t s = 0; s < sequences.size(); ++s) {
-    DescribedSequence described = describe_sequence(
-        sequences[s], {options.features, IfDamaged::Skip, options.num_threads, options.warn, options.progress});
+    DescribedSequence described =
+        describe_sequence(sequences[s], {options.features, IfDamaged::Skip, options.num_threads, options.warn, options.progress});
     std::vector<View> views;
     for (DescribedFrame& frame : described.frames)
       views.push_back(make_view(frame.frame, sequences[s].camera, std::move(frame.features)));
@@ -84,7 +85,8 @@ std::vector<SurveyedPair> survey_pairs(const std::vector<Sequence>& sequences, c
   std::size_t num_done = 0;
   parallel_for(views.size(), options.num_threads, [&](std::size_t q) {
     for (std::size_t m = 0; m < q; ++m) {
-      SurveyedPair pair{{views[q].sequence, views[q].view.frame}, {views[m].sequence, views[m].view.frame},
+      SurveyedPair pair{{views[q].sequence, views[q].view.frame},
+                        {views[m].sequence, views[m].view.frame},
                         verifier.verify(views[q].view, views[m].view)};
       pair.verification.inliers = {};
       rows[q].push_back(std::move(pair));

@@ -19,8 +19,8 @@ namespace fabloop {
 struct PairSurveyOptions {
   FeatureOptions features;
   VerifierOptions verifier;
-  NeighbourOptions neighbour;            ///< Gives features a depth where a sequence has odometry.
-  std::size_t num_neighbours = 3;        ///< As LoopCloserOptions.
+  NeighbourOptions neighbour;      ///< Gives features a depth where a sequence has odometry.
+  std::size_t num_neighbours = 3;  ///< As LoopCloserOptions.
   std::size_t max_neighbour_distance = 16;
   int num_threads = 0;  ///< 0: all. The result does not depend on it.
   Warn warn;
@@ -48,7 +48,7 @@ struct OverlapRecall {
   double min_overlap = 0;
   double max_overlap = 0;
   std::size_t num_pairs = 0;
-  std::size_t num_found = 0;   ///< Accepted, and right.
+  std::size_t num_found = 0;  ///< Accepted, and right.
 };
 
 /// What a survey says of one sequence, or of one pair of sequences.

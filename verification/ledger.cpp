@@ -3,7 +3,9 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <concepts>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
@@ -44,7 +46,7 @@ void for_each_column(const LoopEvent& event, std::size_t index, const Hypothesis
   visit("true_inliers", v.num_true);
   visit("inlier_cells", v.inlier_cells);
   visit("second_inliers", v.num_second_inliers);
-  visit("planar_lead", v.planar_lead);
+  visit("planar_lead", v.planar_lead.value_or(std::numeric_limits<double>::quiet_NaN()));
   visit("rotation_share", v.rotation_share);
   visit("baseline_to_depth", v.baseline_to_depth);
   visit("scale_sigma", v.scale_sigma);
@@ -56,6 +58,7 @@ void for_each_column(const LoopEvent& event, std::size_t index, const Hypothesis
 /// As many digits as it takes to get the same number back.
 void print(std::ostream& out, double value) {
   std::array<char, 32> text{};
+  if (std::isnan(value)) return;  // not known: an empty field
   const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value);
   out << std::string_view(text.data(), end);
 }

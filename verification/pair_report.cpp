@@ -41,8 +41,8 @@ class FigureList {
 
 void add_gates(const Verification& found, const VerifierOptions& options, FigureList& list) {
   const bool has_pose = found.num_inliers > 0;
-  const bool is_no_accident = has_pose && found.num_inliers >= options.min_inliers &&
-                              found.log10_false_alarms <= options.max_log10_false_alarms;
+  const bool is_no_accident =
+      has_pose && found.num_inliers >= options.min_inliers && found.log10_false_alarms <= options.max_log10_false_alarms;
   const bool is_spread = is_no_accident && found.inlier_area >= options.min_inlier_area;
   const bool is_single = is_spread && found.num_second_inliers < options.max_second_support * found.num_true;
   const bool is_decided = is_single && found.rotation_sigma_deg > 0;
@@ -57,8 +57,8 @@ void add_gates(const Verification& found, const VerifierOptions& options, Figure
            found.num_second_inliers / std::max(1.0, found.num_true), Wanted::AtMost, options.max_second_support);
   list.add("rotation_share", "share of the inliers that a rotation alone explains", is_single, found.rotation_share,
            found.num_point_inliers > 0 ? Wanted::Anything : Wanted::AtMost, options.max_rotation_share);
-  if (found.planar_lead > 0) {
-    list.add("planar_lead", "how much likelier than a plane's other pose, as a logarithm", true, found.planar_lead,
+  if (found.planar_lead) {
+    list.add("planar_lead", "how much likelier than a plane's other pose, as a logarithm", true, *found.planar_lead,
              Wanted::AtLeast, kMinLead);
   }
   list.add("rotation_sigma_deg", "standard deviation of the rotation", is_decided, found.rotation_sigma_deg);

@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "verification/planar_ambiguity.h"
@@ -24,33 +25,56 @@ double log_likelihood(const RelativePose& relative, double max_error_rad) {
   return relative.num_true * std::log(std::min(kMaxSharpness, max_error_rad / relative.noise_rad));
 }
 
-double log_likelihood(const PoseCandidate& candidate, double max_error_rad, const std::optional<PosePrior>& prior) {
-  double sum = log_likelihood(candidate.relative, max_error_rad);
-  if (candidate.scale) sum += candidate.scale->log_likelihood;
+double other_log_likelihood(const PoseCandidate& candidate, const std::optional<PosePrior>& prior) {
+  double sum = candidate.scale ? candidate.scale->log_likelihood : 0.0;
   if (!prior) return sum;
+  const bool is_metric = candidate.scale && candidate.scale->agrees;
   Pose pose = candidate.relative.match_from_query;
-  pose.translation *= candidate.scale && candidate.scale->agrees ? candidate.scale->baseline : prior->match_from_query.translation.norm();
+  pose.translation *= is_metric ? candidate.scale->baseline : prior->match_from_query.translation.norm();
   return sum + prior_log_likelihood(squared_distance(pose, *prior), 6);
+}
+
+/// A noise estimated from n residuals is known to 1 / sqrt(2 n), relative; n times the difference of two such logarithms has a
+/// standard deviation of sqrt(n).
+double lead_over(const PoseCandidate& candidate, const PoseCandidate& other) {
+  constexpr double kSigmas = 3.0;
+  const double difference = candidate.ray_score - other.ray_score;
+  const double luck = kSigmas * std::sqrt(std::max(candidate.relative.num_true, other.relative.num_true));
+  const double beyond_luck = std::copysign(std::max(0.0, std::abs(difference) - luck), difference);
+  return beyond_luck + candidate.other_score - other.other_score;
+}
+
+double least_lead(const std::vector<PoseCandidate>& candidates, std::size_t c) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t other = 0; other < candidates.size(); ++other) {
+    if (other != c) least = std::min(least, lead_over(candidates[c], candidates[other]));
+  }
+  return least;
 }
 
 }  // namespace
 
-std::vector<PoseCandidate> pose_candidates(const View& query, const View& match, const std::vector<Match>& matches,
-                                           std::span<const RayPair> pairs, RelativePose relative,
-                                           const RelativePoseOptions& pose_options, const ScaleOptions& scale_options,
-                                           const std::optional<PosePrior>& prior) {
-  std::vector<PoseCandidate> candidates;
+PoseChoice choose_pose(const View& query, const View& match, const std::vector<Match>& matches, std::span<const RayPair> pairs,
+                       RelativePose relative, const RelativePoseOptions& pose_options, const ScaleOptions& scale_options,
+                       const std::optional<PosePrior>& prior) {
   PlanarScene scene = planar_scene(pairs, relative, pose_options);
-  candidates.push_back({std::move(relative), {}, 0});
-  for (RelativePose& rival : scene.rivals) candidates.push_back({std::move(rival), {}, 0});
+  std::vector<PoseCandidate> candidates;
+  candidates.push_back({std::move(relative), {}, 0, 0});
+  for (RelativePose& rival : scene.rivals) candidates.push_back({std::move(rival), {}, 0, 0});
   for (PoseCandidate& candidate : candidates) {
     candidate.scale = estimate_scale(query, match, inlier_matches(matches, candidate.relative),
                                      candidate.relative.match_from_query, scale_options);
-    candidate.score = log_likelihood(candidate, pose_options.max_error_rad, prior);
+    candidate.ray_score = log_likelihood(candidate.relative, pose_options.max_error_rad);
+    candidate.other_score = other_log_likelihood(candidate, prior);
   }
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const PoseCandidate& a, const PoseCandidate& b) { return a.score > b.score; });
-  return candidates;
+  std::size_t best = 0;
+  for (std::size_t c = 1; c < candidates.size(); ++c) {
+    if (least_lead(candidates, c) > least_lead(candidates, best)) best = c;
+  }
+  PoseChoice choice;
+  if (candidates.size() > 1) choice.lead = least_lead(candidates, best);
+  choice.chosen = std::move(candidates[best]);
+  return choice;
 }
 
 double squared_distance(const Pose& match_from_query, const PosePrior& prior) {

@@ -25,17 +25,25 @@ struct PosePrior {
 struct PoseCandidate {
   RelativePose relative;
   std::optional<Scale> scale;
-  double score = 0;  ///< Logarithm of a likelihood, up to a constant: of its true pairs, of the points and of the prior.
+  double ray_score = 0;    ///< Logarithm of the likelihood of its true pairs, up to a constant.
+  double other_score = 0;  ///< The same of the points and of the prior.
 };
 
-/// How far, in logarithms, the best candidate must lead: below it nothing tells the two poses of a plane apart.
-inline constexpr double kMinLead = 10.0;
+/// The poses that explain a pair of views.
+struct PoseChoice {
+  PoseCandidate chosen;
+  /// By how much, in logarithms of likelihood, the chosen one leads the next; none where it is the only one.
+  std::optional<double> lead;
+};
 
-/// The relative pose and those that a plane would explain as well, most likely first.
-std::vector<PoseCandidate> pose_candidates(const View& query, const View& match, const std::vector<Match>& matches,
-                                           std::span<const RayPair> pairs, RelativePose relative,
-                                           const RelativePoseOptions& pose_options, const ScaleOptions& scale_options,
-                                           const std::optional<PosePrior>& prior);
+/// Below this lead nothing tells the two poses of a plane apart.
+inline constexpr double kMinLead = 5.0;
+
+/// The relative pose or one that a plane would explain as well. Rays lie by luck closer on one of two poses that explain them
+/// alike: what counts is by how much more than three standard deviations of such luck.
+PoseChoice choose_pose(const View& query, const View& match, const std::vector<Match>& matches, std::span<const RayPair> pairs,
+                       RelativePose relative, const RelativePoseOptions& pose_options, const ScaleOptions& scale_options,
+                       const std::optional<PosePrior>& prior);
 
 /// Squared Mahalanobis distance of a pose from a prior.
 double squared_distance(const Pose& match_from_query, const PosePrior& prior);

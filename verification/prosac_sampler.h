@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <random>
 
 namespace fabloop {
@@ -44,14 +43,8 @@ class ProsacSampler {
     return sample;
   }
 
-  /// After how many calls of next() so many samples were drawn from the first `subset` data alone: all of the early ones,
-  /// none while the subset grows beyond, and their share of the uniform ones.
-  double iterations_for(double draws, std::size_t subset) const {
-    if (subset == num_data_) return draws;
-    const double early = std::max(1.0, mean_draws_within(subset));
-    if (draws <= early) return draws;
-    return kUniformAfter * (1.0 + (draws - early) / std::max(mean_draws_within(subset), std::numeric_limits<double>::min()));
-  }
+  /// How many of the first data the last sample was drawn from.
+  std::size_t subset() const { return subset_; }
 
  private:
   /// T_n: how many of `kUniformAfter` uniform samples lie within the first n data, on average.

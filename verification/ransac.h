@@ -60,26 +60,54 @@ inline double needed_iterations(std::size_t num_inliers, std::size_t num_data, s
   return std::log(1.0 - confidence) / std::log1p(-p_good);
 }
 
-/// When PROSAC may stop (Chum & Matas 2005, section 2.2): the soonest over the whole of the sorted data and those of its
-/// prefixes that hold clearly more inliers than their share, each searched until a sample of its inliers has been drawn with
-/// the wanted confidence. Where the order says nothing no prefix stands out, and what is left is the usual rule. `inliers` are
-/// ascending.
+/// How many samples of a model's inliers alone PROSAC has drawn so far, on average over how it draws: the search may stop once
+/// they are -log(1 - confidence), since their number is as good as Poisson distributed. Chum & Matas 2005, section 2.2, with the
+/// exact share of good samples of each draw instead of a bound: of a sample of the newest of n data and others before it,
+/// (newest is an inlier) * C(inliers before it, size - 1) / C(n - 1, size - 1). Where the order of the data says nothing, that
+/// is the usual w^size rule.
 template <std::size_t kSize>
-double needed_iterations(const ProsacSampler<kSize>& sampler, const std::vector<std::size_t>& inliers, std::size_t num_data,
-                         double confidence) {
-  double needed = needed_iterations(inliers.size(), num_data, kSize, confidence);
-  constexpr std::size_t kMinPrefix = 20;
-  constexpr double kSigmas = 3.0;
-  const double share = static_cast<double>(inliers.size()) / static_cast<double>(num_data);
-  for (std::size_t k = kSize; k < inliers.size(); ++k) {
-    const std::size_t prefix = inliers[k] + 1;
-    if (prefix < kMinPrefix) continue;
-    const double expected = share * static_cast<double>(prefix);
-    if (static_cast<double>(k + 1) < expected + kSigmas * std::sqrt(expected * (1.0 - share))) continue;
-    needed = std::min(needed, sampler.iterations_for(needed_iterations(k + 1, prefix, kSize, confidence), prefix));
+class GoodSamples {
+ public:
+  explicit GoodSamples(std::size_t num_data) : draws_(num_data + 1, 0), p_good_(num_data + 1, 0.0) {}
+
+  void add_draw(std::size_t subset) {
+    ++draws_[subset];
+    expected_ += p_good_[subset];
   }
-  return needed;
-}
+
+  /// Another model to be sure of; `inliers` are ascending.
+  void set_inliers(const std::vector<std::size_t>& inliers) {
+    const std::size_t num_data = draws_.size() - 1;
+    expected_ = 0;
+    std::size_t num_before = 0;  // inliers before the newest
+    for (std::size_t subset = 1; subset <= num_data; ++subset) {
+      const std::size_t newest = subset - 1;
+      const bool is_inlier = num_before < inliers.size() && inliers[num_before] == newest;
+      if (subset == num_data) {
+        p_good_[subset] = share(inliers.size(), num_data, kSize);
+      } else {
+        p_good_[subset] = is_inlier && subset >= kSize ? share(num_before, newest, kSize - 1) : 0.0;
+      }
+      expected_ += draws_[subset] * p_good_[subset];
+      num_before += is_inlier;
+    }
+  }
+
+  double expected() const { return expected_; }
+
+ private:
+  /// C(good, count) / C(all, count).
+  static double share(std::size_t good, std::size_t all, std::size_t count) {
+    if (good < count) return 0;
+    double share = 1;
+    for (std::size_t i = 0; i < count; ++i) share *= static_cast<double>(good - i) / static_cast<double>(all - i);
+    return share;
+  }
+
+  std::vector<double> draws_;   ///< By the size of the subset.
+  std::vector<double> p_good_;  ///< Of one draw, likewise.
+  double expected_ = 0;
+};
 
 /// What a minimal solver returns: `Problem::Candidate` where that is cheaper than a model, else the model itself.
 template <typename Problem>
@@ -88,7 +116,7 @@ struct CandidateOf {
   static constexpr std::size_t kBatchSize = 1;
 };
 template <typename Problem>
-  requires requires { typename Problem::Candidate; }
+requires requires { typename Problem::Candidate; }
 struct CandidateOf<Problem> {
   using Type = typename Problem::Candidate;
   static constexpr std::size_t kBatchSize = Problem::kBatchSize;
@@ -107,20 +135,20 @@ class Ransac {
   using Model = typename Problem::Model;
 
   Ransac(const Problem& problem, const RansacOptions& options)
-      : problem_(problem), options_(options), sampler_(problem.size(), options.seed) {}
+      : problem_(problem), options_(options), sampler_(problem.size(), options.seed), good_(problem.size()) {}
 
   std::optional<RansacResult<Model>> run() {
     constexpr std::size_t kBatch = CandidateOf<Problem>::kBatchSize;
-    double needed = options_.max_iterations;
+    double most = options_.max_iterations;
     if (options_.min_inliers > kSize) {
-      needed = std::min(needed, needed_iterations(options_.min_inliers, problem_.size(), kSize, options_.confidence));
+      most = std::min(most, needed_iterations(options_.min_inliers, problem_.size(), kSize, options_.confidence));
     }
-    const double hopeless = needed;
+    const double enough = -std::log(1.0 - options_.confidence);
     int iteration = 0;
-    for (; iteration < needed; iteration += static_cast<int>(kBatch)) {
+    for (; iteration < most && good_.expected() < enough; iteration += static_cast<int>(kBatch)) {
       if (!try_samples()) continue;
       optimise_locally();
-      needed = std::min(hopeless, needed_iterations(sampler_, best_->inliers, problem_.size(), options_.confidence));
+      good_.set_inliers(best_->inliers);
     }
     if (best_) best_->iterations = iteration;
     return std::move(best_);
@@ -130,19 +158,25 @@ class Ransac {
   static constexpr std::size_t kSize = Problem::kSampleSize;
   static constexpr bool kHasCandidates = requires { typename Problem::Candidate; };
 
+  std::array<std::size_t, kSize> draw() {
+    const auto sample = sampler_.next();
+    good_.add_draw(sampler_.subset());
+    return sample;
+  }
+
   /// Whether one of the next samples' models is the best so far.
   bool try_samples() {
     bool improved = false;
     if constexpr (kHasCandidates) {
       std::array<std::array<std::size_t, kSize>, Problem::kBatchSize> samples;
-      for (auto& sample : samples) sample = sampler_.next();
+      for (auto& sample : samples) sample = draw();
       for (const auto& candidate : problem_.solve(samples)) {
         if (problem_.cost(candidate, best_cost_) >= best_cost_) continue;
         const auto model = problem_.model_of(candidate);
         improved |= model && consider(*model);
       }
     } else {
-      for (const Model& model : problem_.solve(sampler_.next())) improved |= consider(model);
+      for (const Model& model : problem_.solve(draw())) improved |= consider(model);
     }
     return improved;
   }
@@ -165,6 +199,7 @@ class Ransac {
   const Problem& problem_;
   const RansacOptions& options_;
   ProsacSampler<kSize> sampler_;
+  GoodSamples<kSize> good_;
   std::optional<RansacResult<Model>> best_;
   double best_cost_ = std::numeric_limits<double>::infinity();
 };

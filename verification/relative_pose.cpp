@@ -116,7 +116,8 @@ class RelativePoseProblem {
     const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> matrix(essential.data());
     std::vector<std::size_t> inliers;
     for (std::size_t i = 0; i < pairs_.size(); ++i) {
-      if (std::abs(epipolar_residual(pairs_[i].query, pairs_[i].match, matrix).angle()) < options_.max_error_rad) inliers.push_back(i);
+      if (std::abs(epipolar_residual(pairs_[i].query, pairs_[i].match, matrix).angle()) < options_.max_error_rad)
+        inliers.push_back(i);
     }
     return most_in_front(poses_of(matrix), inliers);
   }
@@ -143,7 +144,8 @@ class RelativePoseProblem {
     std::array<std::size_t, 4> in_front{};
     for (std::size_t k = 0; k < poses.size(); ++k) {
       const Eigen::Matrix3d rotation = poses[k].rotation.toRotationMatrix();
-      for (const std::size_t i : inliers) in_front[k] += in_front_of_both(pairs_[i], rotation, poses[k].translation, options_.max_error_rad);
+      for (const std::size_t i : inliers)
+        in_front[k] += in_front_of_both(pairs_[i], rotation, poses[k].translation, options_.max_error_rad);
     }
     const auto most = std::max_element(in_front.begin(), in_front.end());
     if (*most < kSampleSize) return std::nullopt;
@@ -252,8 +254,8 @@ std::optional<RelativePose> finish(std::span<const RayPair> pairs, Pose match_fr
 
 std::optional<RelativePose> estimate_relative_pose(std::span<const RayPair> pairs, const RelativePoseOptions& options) {
   const RelativePoseProblem problem(pairs, options);
-  const auto best = ransac(
-      problem, {options.max_error_rad, options.confidence, options.max_iterations, options.seed, options.min_inliers});
+  const auto best =
+      ransac(problem, {options.max_error_rad, options.confidence, options.max_iterations, options.seed, options.min_inliers});
   if (!best) return std::nullopt;
   return finish(pairs, best->model, options, best->iterations);
 }
@@ -277,8 +279,8 @@ RotationFit fit_rotation(std::span<const RayPair> pairs, std::span<const std::si
     }
     const Eigen::JacobiSVD<Eigen::Matrix3d> svd(correlation, Eigen::ComputeFullU | Eigen::ComputeFullV);
     Eigen::Vector3d signs(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant());
-    fit.match_from_query = Eigen::Quaterniond(
-        Eigen::Matrix3d(svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose())).normalized();
+    fit.match_from_query =
+        Eigen::Quaterniond(Eigen::Matrix3d(svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose())).normalized();
   }
   std::size_t num_within = 0;
   for (const std::size_t i : indices)

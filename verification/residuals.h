@@ -53,8 +53,8 @@ inline EpipolarJacobian epipolar_jacobian(const EpipolarResidual& residual, cons
   const double angle = residual.error * inverse;
   const Eigen::Vector3d error_by_rotation = query_ray.cross(residual.from_match);
   const Eigen::Vector3d error_by_translation = turned.cross(match_ray);
-  const Eigen::Vector3d norm_by_rotation = query_ray.cross(Eigen::Vector3d(essential.transpose() * residual.from_query)) -
-                                           2.0 * residual.error * error_by_rotation;
+  const Eigen::Vector3d norm_by_rotation =
+      query_ray.cross(Eigen::Vector3d(essential.transpose() * residual.from_query)) - 2.0 * residual.error * error_by_rotation;
   const Eigen::Vector3d norm_by_translation = turned.cross(residual.from_query) + match_ray.cross(translation.cross(match_ray)) -
                                               2.0 * residual.error * error_by_translation;
   return {inverse * (error_by_rotation - angle * inverse * norm_by_rotation),
@@ -69,7 +69,8 @@ struct RayDepths {
 };
 
 /// `query_ray` is turned into the match's axes.
-inline RayDepths ray_depths(const Eigen::Vector3d& query_ray, const Eigen::Vector3d& match_ray, const Eigen::Vector3d& translation) {
+inline RayDepths ray_depths(const Eigen::Vector3d& query_ray, const Eigen::Vector3d& match_ray,
+                            const Eigen::Vector3d& translation) {
   const double cosine = query_ray.dot(match_ray);
   const double a = match_ray.dot(translation);
   const double b = query_ray.dot(translation);

@@ -12,8 +12,8 @@ namespace {
 
 /// Points whose errors are as good as independent: the surface that two neighbours triangulate tilts as a whole.
 constexpr double kPointsPerError = 5.0;
-constexpr double kWrongShare = 0.2;   ///< Of points, a priori.
-constexpr double kWrongRange = 4.0;   ///< Logarithms of depth ratios of wrong points spread about as far.
+constexpr double kWrongShare = 0.2;     ///< Of points, a priori.
+constexpr double kWrongRange = 4.0;     ///< Logarithms of depth ratios of wrong points spread about as far.
 constexpr double kTypicalError = 0.05;  ///< Relative, of a right point's depth.
 
 /// One known depth against the one that the rays tell.

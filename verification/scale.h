@@ -11,7 +11,7 @@
 namespace fabloop {
 
 struct ScaleOptions {
-  int min_points = 12;            ///< Matches with known depth that must agree. Fewer: there is no scale.
+  int min_points = 12;             ///< Matches with known depth that must agree. Fewer: there is no scale.
   double min_parallax_rad = 0.01;  ///< Between the rays of a match. Below it their own depth is noise.
   /// How far, relative, a known depth may be off: beyond it a point counts as wrong. Depths by odometry and two neighbours are
   /// off by a few per cent together; stereo's far ones by more.
@@ -34,8 +34,8 @@ struct Scale {
 };
 
 /// What the points of either side say about the unit of a pose: each known depth over the depth that its match's rays meet at
-/// with a baseline of one; the robust mean of the logarithms. None where fewer points than `min_points` tell a depth. `match_from_query` has a unit
-/// translation, and `matches` agree with it.
+/// with a baseline of one; the robust mean of the logarithms. None where fewer points than `min_points` tell a depth.
+/// `match_from_query` has a unit translation, and `matches` agree with it.
 std::optional<Scale> estimate_scale(const View& query, const View& match, const std::vector<Match>& matches,
                                     const Pose& match_from_query, const ScaleOptions& options = {});
 

@@ -200,10 +200,8 @@ Verification Verifier::verify(const View& query, const View& match, const PairPr
   result.verdict = Verdict::NoPose;
   if (!best) return result;
   result.num_iterations = best->iterations;
-  const auto candidates =
-      pose_candidates(query, match, matches, pairs, std::move(*best), pose_options, options_.scale, prior.pose);
-  const PoseCandidate& chosen = candidates.front();
-  const RelativePose& relative = chosen.relative;
+  const PoseChoice choice = choose_pose(query, match, matches, pairs, std::move(*best), pose_options, options_.scale, prior.pose);
+  const RelativePose& relative = choice.chosen.relative;
 
   for (const std::size_t i : relative.inliers) result.inliers.push_back(matches[i]);
   result.match_from_query = relative.match_from_query;
@@ -233,14 +231,13 @@ Verification Verifier::verify(const View& query, const View& match, const PairPr
   if (result.rotation_share > options_.max_rotation_share) {
     decide_by_points(query, match, matches, pairs, pose_options, options_, result);
   } else {
-    if (candidates.size() > 1) result.planar_lead = chosen.score - candidates[1].score;
+    result.planar_lead = choice.lead;
     result.verdict = Verdict::AmbiguousPose;
-    if (candidates.size() > 1 && result.planar_lead < kMinLead) return result;
-    decide_by_rays(pairs, chosen, options_, result);
+    if (choice.lead && *choice.lead < kMinLead) return result;
+    decide_by_rays(pairs, choice.chosen, options_, result);
   }
-  const bool vague =
-      rad_from_deg(result.rotation_sigma_deg) > options_.max_rotation_sigma * field_of_view_rad(match.camera) ||
-      result.translation_sigma > options_.max_translation_sigma;
+  const bool vague = rad_from_deg(result.rotation_sigma_deg) > options_.max_rotation_sigma * field_of_view_rad(match.camera) ||
+                     result.translation_sigma > options_.max_translation_sigma;
   if (result.verdict == Verdict::Accepted && vague) result.verdict = Verdict::PoorlyConstrained;
   result.p_true = loop_probability(evidence_of(result, prior));
   if (result.verdict == Verdict::Accepted && result.p_true < options_.min_probability) result.verdict = Verdict::Improbable;

@@ -58,17 +58,17 @@ struct Verification {
   Verdict verdict = Verdict::TooFewMatches;
   double p_true = 0;  ///< Probability that the loop is right; see loop_probability.h. 0 without a pose.
   int num_matches = 0;
-  int num_inliers = 0;             ///< Epipolar.
-  double num_true = 0;             ///< Expected number of true ones among them; see inlier_noise.h.
-  int num_point_inliers = 0;       ///< Of the metric pose.
-  double log10_false_alarms = 0;   ///< See evidence.h.
-  double inlier_area = 0;          ///< Share of the image inside the inliers' convex hull, the smaller of both images.
-  double inlier_cells = 0;         ///< Share of the cells of a grid that hold an inlier, the smaller of both images.
-  int num_second_inliers = 0;      ///< Of the best pose among the matches that are none.
-  double planar_lead = 0;          ///< How far the pose leads the other one of a plane, in logarithms of likelihood; 0: no other.
-  double rotation_share = 0;       ///< Of the inliers, how many a rotation alone explains.
-  double baseline_to_depth = 0;    ///< Length of the translation over the median depth.
-  double median_parallax_deg = 0;  ///< Between the inliers' rays, rotation undone.
+  int num_inliers = 0;                ///< Epipolar.
+  double num_true = 0;                ///< Expected number of true ones among them; see inlier_noise.h.
+  int num_point_inliers = 0;          ///< Of the metric pose.
+  double log10_false_alarms = 0;      ///< See evidence.h.
+  double inlier_area = 0;             ///< Share of the image inside the inliers' convex hull, the smaller of both images.
+  double inlier_cells = 0;            ///< Share of the cells of a grid that hold an inlier, the smaller of both images.
+  int num_second_inliers = 0;         ///< Of the best pose among the matches that are none.
+  std::optional<double> planar_lead;  ///< How far the pose leads the other one of a plane, as PoseChoice::lead.
+  double rotation_share = 0;          ///< Of the inliers, how many a rotation alone explains.
+  double baseline_to_depth = 0;       ///< Length of the translation over the median depth.
+  double median_parallax_deg = 0;     ///< Between the inliers' rays, rotation undone.
   double rotation_sigma_deg = 0;
   double translation_sigma = 0;  ///< Across its direction, as a share of the median depth.
   double scale_sigma = 0;        ///< Relative, of the distance between the views; 0 without scale.
@@ -84,8 +84,9 @@ struct Verification {
 
 /// What is known of a pair before its features are compared.
 struct PairPrior {
-  std::optional<PosePrior> pose = {};  ///< Tells the two poses of a plane apart, and lowers the probability of what contradicts it.
-  double p_appearance = 0.5;      ///< Probability of the place by appearance; see LoopEvidence.
+  std::optional<PosePrior> pose =
+      {};                     ///< Tells the two poses of a plane apart, and lowers the probability of what contradicts it.
+  double p_appearance = 0.5;  ///< Probability of the place by appearance; see LoopEvidence.
 };
 
 /// Proves or rejects that two views show one place: match, relative pose (five points), the pose among those of a plane, the

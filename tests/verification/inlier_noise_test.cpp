@@ -64,9 +64,7 @@ TEST(InlierNoise, ParametersCostFreedom) {
   EXPECT_NEAR(estimate_inlier_noise(data.values, kMaxErrorRad, 5).sigma_rad, free * std::sqrt(20.0 / 15.0), 1e-12);
 }
 
-TEST(InlierNoise, OfNothingIsNothing) {
-  EXPECT_EQ(estimate_inlier_noise({}, kMaxErrorRad, 5).num_true, 0);
-}
+TEST(InlierNoise, OfNothingIsNothing) { EXPECT_EQ(estimate_inlier_noise({}, kMaxErrorRad, 5).num_true, 0); }
 
 }  // namespace
 }  // namespace fabloop

@@ -36,10 +36,12 @@ TEST(EpipolarResidual, DerivativesAreThoseOfTheAngle) {
     const EpipolarJacobian jacobian =
         epipolar_jacobian(epipolar_residual(pair.query, pair.match, essential), pair.query, pair.match, essential,
                           pose.rotation.toRotationMatrix(), pose.translation);
-    const Eigen::Vector3d by_rotation = numeric_gradient(
-        [&](const Eigen::Vector3d& step) { return angle(pair, {pose.rotation * rotation_from_vector(step), pose.translation}); });
-    const Eigen::Vector3d by_translation =
-        numeric_gradient([&](const Eigen::Vector3d& step) { return angle(pair, {pose.rotation, pose.translation + step}); });
+    const Eigen::Vector3d by_rotation = numeric_gradient([&](const Eigen::Vector3d& step) {
+      return angle(pair, {pose.rotation * rotation_from_vector(step), pose.translation});
+    });
+    const Eigen::Vector3d by_translation = numeric_gradient([&](const Eigen::Vector3d& step) {
+      return angle(pair, {pose.rotation, pose.translation + step});
+    });
     EXPECT_LT((jacobian.by_rotation - by_rotation).norm(), kTolerance);
     EXPECT_LT((jacobian.by_translation - by_translation).norm(), kTolerance);
   }

@@ -27,7 +27,9 @@ Eigen::Vector2d noisy_pixel(Random& random, const Camera& camera, const Eigen::V
   return *project(camera, x_in_camera) + noise_px * Eigen::Vector2d(normal(random), normal(random));
 }
 
-cv::KeyPoint keypoint(const Eigen::Vector2d& pixel) { return {static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), 3.0F}; }
+cv::KeyPoint keypoint(const Eigen::Vector2d& pixel) {
+  return {static_cast<float>(pixel.x()), static_cast<float>(pixel.y()), 3.0F};
+}
 
 cv::Mat1f random_descriptors(Random& random, int count) {
   std::normal_distribution<float> normal;

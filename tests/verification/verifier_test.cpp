@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <opencv2/core.hpp>
 
 #include "tests/verification/two_view_world.h"
 #include "verification/planar_ambiguity.h"
@@ -108,7 +109,7 @@ TEST(Verifier, APlaneWithTwoPosesIsAmbiguous) {
   // Whether both poses lie in front of the cameras depends on the view; over many, some must be ambiguous, and none that is
   // accepted may be wrong.
   int ambiguous = 0;
-  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
     const TwoViews world = make_two_views({.num_points = 120, .noise_px = 0.5, .planar = true, .seed = seed});
     const Verification found = Verifier().verify(world.query, world.match);
     ambiguous += found.verdict == Verdict::AmbiguousPose;
@@ -117,6 +118,100 @@ TEST(Verifier, APlaneWithTwoPosesIsAmbiguous) {
     EXPECT_LT(deg_from_rad(found.match_from_query.rotation.angularDistance(world.match_from_query.rotation)), 5) << seed;
   }
   EXPECT_GT(ambiguous, 0);
+}
+
+/// Odometry that knows the rotation to 5 degrees and the direction to 10, at the truth.
+PosePrior prior_at(const Pose& match_from_query) {
+  PosePrior prior{match_from_query};
+  const double translation_sigma = rad_from_deg(10) * match_from_query.translation.norm();
+  prior.covariance.topLeftCorner<3, 3>() *= translation_sigma * translation_sigma;
+  prior.covariance.bottomRightCorner<3, 3>() *= rad_from_deg(5) * rad_from_deg(5);
+  return prior;
+}
+
+TEST(Verifier, OdometryTellsThePosesOfAPlaneApart) {
+  int num_resolved = 0;
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    const TwoViews world = make_two_views({.num_points = 120, .noise_px = 0.5, .planar = true, .seed = seed});
+    const bool was_ambiguous = Verifier().verify(world.query, world.match).verdict == Verdict::AmbiguousPose;
+    const Verification found = Verifier().verify(world.query, world.match, {prior_at(world.match_from_query)});
+    if (!was_ambiguous || found.verdict != Verdict::Accepted) continue;
+    ++num_resolved;
+    EXPECT_LT(deg_from_rad(found.match_from_query.rotation.angularDistance(world.match_from_query.rotation)), 5) << seed;
+  }
+  EXPECT_GT(num_resolved, 0);
+}
+
+TEST(Verifier, PointsTellThePosesOfAPlaneApart) {
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const TwoViews world = make_two_views(
+        {.num_points = 120, .noise_px = 0.5, .planar = true, .with_points = true, .depth_noise = 0.02, .seed = seed});
+    const Verification found = Verifier().verify(world.query, world.match);
+    EXPECT_EQ(found.verdict, Verdict::Accepted) << seed << ": " << to_string(found.verdict);
+    EXPECT_LT((found.match_from_query.translation - world.match_from_query.translation).norm(), 0.3) << seed;
+  }
+}
+
+TEST(Verifier, TextureThatRepeatsIsToldApart) {
+  // Two sets of matches, each with a pose of its own.
+  const TwoViews first = make_two_views({.num_points = 100, .seed = 1});
+  const TwoViews second = make_two_views({.num_points = 100, .seed = 2});
+  TwoViews both = first;
+  const auto append = [](View& view, const View& other) {
+    auto& keypoints = view.features.keypoints;
+    keypoints.insert(keypoints.end(), other.features.keypoints.begin(), other.features.keypoints.end());
+    cv::vconcat(view.features.descriptors, other.features.descriptors, view.features.descriptors);
+    view = make_view(view.frame, view.camera, view.features);
+  };
+  append(both.query, second.query);
+  append(both.match, second.match);
+  const Verification found = Verifier().verify(both.query, both.match);
+  EXPECT_EQ(found.verdict, Verdict::RepeatedTexture) << to_string(found.verdict);
+  EXPECT_GT(found.num_second_inliers, 60);
+}
+
+TEST(Verifier, InliersInACornerAreAVerdict) {
+  const TwoViews world = make_two_views({.num_points = 1500});
+  Features query, match;
+  for (int i = 0; i < 1500; ++i) {
+    const auto& keypoint = world.query.features.keypoints[static_cast<std::size_t>(i)];
+    if (keypoint.pt.x > 320 || keypoint.pt.y > 240) continue;
+    query.keypoints.push_back(keypoint);
+    match.keypoints.push_back(world.match.features.keypoints[static_cast<std::size_t>(i)]);
+    query.descriptors.push_back(world.query.features.descriptors.row(i));
+    match.descriptors.push_back(world.match.features.descriptors.row(i));
+  }
+  VerifierOptions options;
+  options.min_inlier_area = 0.3;
+  ASSERT_GT(query.keypoints.size(), 20U);
+  const Verification found =
+      Verifier(options).verify(make_view(1, world.query.camera, query), make_view(0, world.match.camera, match));
+  EXPECT_EQ(found.verdict, Verdict::InliersInCorner) << to_string(found.verdict);
+}
+
+TEST(Verifier, AProbabilityThatIsAskedForIsAGate) {
+  VerifierOptions options;
+  options.max_log10_false_alarms = 0;
+  options.min_probability = 0.999;
+  const TwoViews world = make_two_views({.num_points = 60, .outlier_ratio = 0.6, .noise_px = 0.3, .seed = 4});
+  const PairPrior unlikely{.p_appearance = 0.02};
+  const Verification found = Verifier(options).verify(world.query, world.match, unlikely);
+  options.min_probability = 0;
+  const Verification without = Verifier(options).verify(world.query, world.match, unlikely);
+  ASSERT_EQ(without.verdict, Verdict::Accepted) << to_string(without.verdict);
+  EXPECT_EQ(found.p_true, without.p_true);
+  EXPECT_EQ(found.verdict, found.p_true < 0.999 ? Verdict::Improbable : Verdict::Accepted);
+  options.min_probability = 1.0 - 1e-12;
+  EXPECT_EQ(Verifier(options).verify(world.query, world.match, unlikely).verdict, Verdict::Improbable);
+}
+
+TEST(Verifier, WhatContradictsOdometryIsLessProbable) {
+  const TwoViews world = make_two_views({.noise_px = 0.5, .with_points = true});
+  Pose elsewhere = world.match_from_query;
+  elsewhere.translation += Eigen::Vector3d(20, 0, 0);
+  const double agreeing = Verifier().verify(world.query, world.match, {prior_at(world.match_from_query)}).p_true;
+  const double contradicting = Verifier().verify(world.query, world.match, {prior_at(elsewhere)}).p_true;
+  EXPECT_LT(contradicting, agreeing);
 }
 
 TEST(Verifier, SeedsDependOnBothFramesAndTheirOrder) {
