@@ -11,17 +11,16 @@
 namespace fabloop {
 
 /// Draws samples from the best data first and from more and more of them later: PROSAC (Chum & Matas, CVPR 2005), for data
-/// sorted by quality, best first. After `kUniformAfter` draws it draws uniformly from all.
+/// sorted by quality, best first. After `uniform_after` draws (Chum & Matas' T_N) it draws uniformly from all.
 template <std::size_t kSize>
 class ProsacSampler {
  public:
   using Sample = std::array<std::size_t, kSize>;
 
-  /// Chum & Matas' T_N.
-  static constexpr double kUniformAfter = 200000;
-
-  ProsacSampler(std::size_t num_data, std::uint64_t seed)
-      : num_data_(num_data), subset_(kSize), draws_(mean_draws_within(kSize)), random_(seed) {}
+  ProsacSampler(std::size_t num_data, double uniform_after, std::uint64_t seed)
+      : num_data_(num_data), subset_(kSize), draws_(uniform_after), random_(seed) {
+    for (std::size_t i = 0; i < kSize; ++i) draws_ *= static_cast<double>(kSize - i) / static_cast<double>(num_data - i);
+  }
 
   Sample next() {
     ++iteration_;
@@ -47,13 +46,6 @@ class ProsacSampler {
   std::size_t subset() const { return subset_; }
 
  private:
-  /// T_n: how many of `kUniformAfter` uniform samples lie within the first n data, on average.
-  double mean_draws_within(std::size_t n) const {
-    double draws = kUniformAfter;
-    for (std::size_t i = 0; i < kSize; ++i) draws *= static_cast<double>(n - i) / static_cast<double>(num_data_ - i);
-    return draws;
-  }
-
   /// In [0, bound). The standard's distributions differ between libraries; this one is the same everywhere.
   std::size_t uniform(std::size_t bound) { return static_cast<std::size_t>(random_() % bound); }
 

@@ -86,7 +86,7 @@ class GoodSamples {
       if (subset == num_data) {
         p_good_[subset] = share(inliers.size(), num_data, kSize);
       } else {
-        p_good_[subset] = is_inlier && subset >= kSize ? share(num_before, newest, kSize - 1) : 0.0;
+        p_good_[subset] = is_inlier && subset >= kMinSubset ? share(num_before, newest, kSize - 1) : 0.0;
       }
       expected_ += draws_[subset] * p_good_[subset];
       num_before += is_inlier;
@@ -96,6 +96,9 @@ class GoodSamples {
   double expected() const { return expected_; }
 
  private:
+  /// A wrong model's own sample makes too large a share of smaller ones.
+  static constexpr std::size_t kMinSubset = 20;
+
   /// C(good, count) / C(all, count).
   static double share(std::size_t good, std::size_t all, std::size_t count) {
     if (good < count) return 0;
@@ -135,7 +138,10 @@ class Ransac {
   using Model = typename Problem::Model;
 
   Ransac(const Problem& problem, const RansacOptions& options)
-      : problem_(problem), options_(options), sampler_(problem.size(), options.seed), good_(problem.size()) {}
+      : problem_(problem),
+        options_(options),
+        sampler_(problem.size(), options.max_iterations, options.seed),
+        good_(problem.size()) {}
 
   std::optional<RansacResult<Model>> run() {
     constexpr std::size_t kBatch = CandidateOf<Problem>::kBatchSize;

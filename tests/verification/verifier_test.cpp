@@ -193,7 +193,7 @@ TEST(Verifier, AProbabilityThatIsAskedForIsAGate) {
   VerifierOptions options;
   options.max_log10_false_alarms = 0;
   options.min_probability = 0.999;
-  const TwoViews world = make_two_views({.num_points = 60, .outlier_ratio = 0.6, .noise_px = 0.3, .seed = 4});
+  const TwoViews world = make_two_views({.num_points = 80, .outlier_ratio = 0.5, .noise_px = 0.2, .seed = 4});
   const PairPrior unlikely{.p_appearance = 0.02};
   const Verification found = Verifier(options).verify(world.query, world.match, unlikely);
   options.min_probability = 0;
