@@ -16,9 +16,9 @@ struct LoopEvidence {
 };
 
 /// Probability that the two views show one place and that the pose is right. The odds of appearance times two factors: the
-/// inliers', log-linear in the number of false alarms, calibrated on rendered flights (see the README of this folder); and the
-/// prior's, prior_log_likelihood() of how much further off the pose is than its degrees of freedom explain. Agreement with a
-/// prior is no proof, so it never raises the odds.
+/// inliers', log-linear in the number of false alarms, fitted on one real flight and checked on two others (see the README of
+/// this folder); and the prior's, prior_log_likelihood() of how much further off the pose is than its degrees of freedom explain.
+/// Agreement with a prior is no proof, so it never raises the odds.
 double loop_probability(const LoopEvidence& evidence);
 
 }  // namespace fabloop
