@@ -227,7 +227,9 @@ Verification Verifier::verify(const View& query, const View& match, const PairPr
   result.verdict = Verdict::RepeatedTexture;
   if (result.num_second_inliers >= options_.max_second_support * result.num_true) return result;
 
-  result.rotation_share = fit_rotation(pairs, relative.inliers, 2.0 * pose_options.max_error_rad).share;
+  // What a rotation leaves has two components and both images' noise; a few inliers may tell too small a noise.
+  const double max_rotation_error_rad = std::max(4.0 * relative.noise_rad, 0.5 * pose_options.max_error_rad);
+  result.rotation_share = fit_rotation(pairs, relative.inliers, max_rotation_error_rad).share;
   if (result.rotation_share > options_.max_rotation_share) {
     decide_by_points(query, match, matches, pairs, pose_options, options_, result);
   } else {
