@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "verification/chi_square.h"
+#include "verification/median.h"
 
 namespace fabloop {
 namespace {
@@ -26,10 +27,7 @@ double median_step(const std::vector<Edge>& edges) {
   for (const Edge& edge : edges) {
     if (edge.kind == EdgeKind::Odometry) lengths.push_back(edge.from_from_to.translation.norm());
   }
-  if (lengths.empty()) return 0;
-  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-  std::nth_element(lengths.begin(), middle, lengths.end());
-  return *middle;
+  return median(std::move(lengths));
 }
 
 /// A sequence's odometry is its camera's.

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "verification/median.h"
+
 namespace fabloop {
 namespace {
 
@@ -14,12 +16,6 @@ constexpr std::size_t kMinSteps = 10;
 /// The images have errors too; an odometry that agrees better than this is not known to be better.
 constexpr double kMinRotationDeg = 0.05;
 constexpr double kMinTranslation = 0.01;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 }  // namespace
 

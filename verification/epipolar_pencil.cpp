@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "verification/residuals.h"
+
 namespace fabloop {
 namespace {
 
@@ -48,9 +50,8 @@ bool EpipolarPencil::is_candidate(const Eigen::Vector3d& turned_query_ray, const
   const double error = match_ray.dot(from_query);
   const double squared_gradient = from_query.squaredNorm() + from_match.squaredNorm() - 2.0 * error * error;
   if (error * error > max_error_rad_ * max_error_rad_ * squared_gradient) return false;
-  const double cosine = turned_query_ray.dot(match_ray);
-  const double a = match_ray.dot(direction_), b = turned_query_ray.dot(direction_);
-  const bool meets_in_front = a - cosine * b > 0 && cosine * a - b > 0;
+  const RayDepths depths = ray_depths(turned_query_ray, match_ray, direction_);
+  const bool meets_in_front = depths.query > 0 && depths.match > 0;
   return meets_in_front || (turned_query_ray - match_ray).norm() < 2.0 * max_error_rad_;
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "verification/edge_information.h"
+#include "verification/ray_pairs.h"
 #include "verification/relative_pose.h"
 
 namespace fabloop {
@@ -45,10 +46,7 @@ std::optional<NeighbourLink> link_neighbours(View& previous, View& current, cons
   const double baseline = previous_from_current_odometry.translation.norm();
   const std::vector<Match> matches = match_features(current.features, previous.features, options.matching);
   if (static_cast<int>(matches.size()) < options.min_inliers || baseline <= 0) return std::nullopt;
-  std::vector<RayPair> pairs;
-  for (const Match& m : matches) {
-    pairs.push_back({current.rays[static_cast<std::size_t>(m.query)], previous.rays[static_cast<std::size_t>(m.match)]});
-  }
+  const std::vector<RayPair> pairs = ray_pairs(current, previous, matches);
   RelativePoseOptions pose_options;
   pose_options.max_error_rad = options.max_error_px / previous.camera.focal_px();
   pose_options.max_iterations = options.max_iterations;

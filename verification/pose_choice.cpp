@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "verification/planar_ambiguity.h"
+#include "verification/uncertain_pose.h"
 
 namespace fabloop {
 namespace {
@@ -78,10 +79,7 @@ PoseChoice choose_pose(const View& query, const View& match, const std::vector<M
 }
 
 double squared_distance(const Pose& match_from_query, const PosePrior& prior) {
-  const Pose difference = prior.match_from_query.inverse() * match_from_query;
-  const Eigen::AngleAxisd turn(difference.rotation);
-  Eigen::Matrix<double, 6, 1> error;
-  error << difference.translation, turn.angle() * turn.axis();
+  const Eigen::Matrix<double, 6, 1> error = pose_error(prior.match_from_query, match_from_query);
   return error.dot(prior.covariance.ldlt().solve(error));
 }
 

@@ -51,13 +51,17 @@ std::vector<std::size_t> inliers_of(const Problem& problem, const typename Probl
   return inliers;
 }
 
-/// Draws needed until one of `sample_size` inliers has been drawn with the wanted confidence.
-inline double needed_iterations(std::size_t num_inliers, std::size_t num_data, std::size_t sample_size, double confidence) {
-  const double p_good =
-      std::pow(static_cast<double>(num_inliers) / static_cast<double>(num_data), static_cast<double>(sample_size));
+/// Draws until one success in a row of attempts with the given probability is as sure as `confidence`.
+inline double needed_draws(double p_good, double confidence) {
   if (p_good >= 1.0) return 0;
   if (p_good <= 0.0) return std::numeric_limits<double>::infinity();
   return std::log(1.0 - confidence) / std::log1p(-p_good);
+}
+
+/// Draws needed until one of `sample_size` inliers has been drawn with the wanted confidence.
+inline double needed_iterations(std::size_t num_inliers, std::size_t num_data, std::size_t sample_size, double confidence) {
+  const double share = static_cast<double>(num_inliers) / static_cast<double>(num_data);
+  return needed_draws(std::pow(share, static_cast<double>(sample_size)), confidence);
 }
 
 /// How many samples of a model's inliers alone PROSAC has drawn so far, on average over how it draws: the search may stop once

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "verification/levenberg_marquardt.h"
+#include "verification/residuals.h"
 #include "verification/rig_pose.h"
 
 namespace fabloop {
@@ -61,13 +62,9 @@ inline double squared_rig_error(const RigRayPair& pair, const BodyMotion& motion
 /// Whether the rays meet in front of both cameras, or nearly so: parallel rays meet far away.
 inline bool meets_in_front(const RigRayPair& pair, const BodyMotion& motion, double tolerance_rad) {
   const Eigen::Vector3d baseline = baseline_in_match(pair, motion);
-  const Eigen::Vector3d query_ray = motion.rotation * pair.query.ray_in_body;
-  const double cosine = query_ray.dot(pair.match.ray_in_body);
-  const double a = pair.match.ray_in_body.dot(baseline);
-  const double b = query_ray.dot(baseline);
-  // depth_match * m = baseline + depth_query * R q by least squares; the common factor 1 / sin^2 is left out.
+  const RayDepths depths = ray_depths(motion.rotation * pair.query.ray_in_body, pair.match.ray_in_body, baseline);
   const double slack = -tolerance_rad * baseline.norm();
-  return a - cosine * b >= slack && cosine * a - b >= slack;
+  return depths.match >= slack && depths.query >= slack;
 }
 
 /// Adds a pair's distance r = e / g, g = |grad e|, to the normal equations by (translation, rotation) in the query's axes. With

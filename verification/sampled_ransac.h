@@ -11,13 +11,6 @@
 
 namespace fabloop {
 
-/// Draws until one success in a row of attempts with the given probability is as sure as `confidence`.
-inline double needed_draws(double p_good, double confidence) {
-  if (p_good >= 1.0) return 0;
-  if (p_good <= 0.0) return std::numeric_limits<double>::infinity();
-  return std::log(1.0 - confidence) / std::log1p(-p_good);
-}
-
 /// Locally optimised RANSAC (Chum, Matas & Kittler 2003) over a problem that draws its own samples, because they have structure:
 /// five data of one pair of cameras and a sixth of another, say. Its models are rough, so that the best of them says little about
 /// the best after refinement: the best of every eight draws is refined, not only one that is the best so far.

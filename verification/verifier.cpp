@@ -14,6 +14,7 @@
 #include "verification/loop_probability.h"
 #include "verification/median.h"
 #include "verification/metric_pose.h"
+#include "verification/ray_pairs.h"
 #include "verification/relative_pose.h"
 #include "verification/residuals.h"
 
@@ -21,15 +22,6 @@ namespace fabloop {
 namespace {
 
 constexpr double kFivePointModels = 10;
-
-std::vector<RayPair> ray_pairs(const View& query, const View& match, const std::vector<Match>& matches) {
-  std::vector<RayPair> pairs;
-  pairs.reserve(matches.size());
-  for (const Match& m : matches) {
-    pairs.push_back({query.rays[static_cast<std::size_t>(m.query)], match.rays[static_cast<std::size_t>(m.match)]});
-  }
-  return pairs;
-}
 
 /// Whether the points of the match and those of the query tell the same pose, as far as both are known.
 bool sides_agree(const MetricPoses& poses, double field_of_view_rad, const VerifierOptions& options) {

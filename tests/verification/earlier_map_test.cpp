@@ -18,6 +18,7 @@ using testing_support::make_walk;
 using testing_support::test_camera;
 using testing_support::text_of;
 using testing_support::Walk;
+using testing_support::walk_options;
 
 constexpr std::size_t kFramesOfLap = 24;
 
@@ -27,15 +28,7 @@ const Walk& lap_and_more() {
   return walk;
 }
 
-LoopCloserOptions options() {
-  LoopCloserOptions result;
-  result.hypotheses.num_recent_excluded = 10;
-  result.hypotheses.max_hypotheses = 2;
-  result.num_threads = 1;
-  return result;
-}
-
-KeyframeMap map_of_lap(const LoopCloserOptions& lap_options = options()) {
+KeyframeMap map_of_lap(const LoopCloserOptions& lap_options = walk_options()) {
   LoopCloser closer(test_camera(), lap_and_more().model, lap_options);
   for (std::size_t i = 0; i < kFramesOfLap; ++i) closer.add_keyframe(keyframe_of(lap_and_more(), i));
   return closer.map();
@@ -55,7 +48,7 @@ TEST(EarlierMap, LoopsLeadIntoItWithTheirPose) {
   // Twice what the verifier asks of a loop, as in LoopCloser's test.
   constexpr double kMaxRotationDeg = 2;
   constexpr double kMaxTranslationM = 1.2;
-  LoopCloser closer(test_camera(), lap_and_more().model, options(), map_of_lap());
+  LoopCloser closer(test_camera(), lap_and_more().model, walk_options(), map_of_lap());
   std::size_t num_loops = 0;
   for (std::size_t i = 0; i < 5; ++i) {
     const LoopEvent event = closer.add_keyframe(later_frame(i));
@@ -75,7 +68,7 @@ TEST(EarlierMap, LoopsLeadIntoItWithTheirPose) {
 }
 
 TEST(EarlierMap, ItsKeyframesAreNeverNeighboursOfTheNewOnes) {
-  LoopCloser closer(test_camera(), lap_and_more().model, options(), map_of_lap());
+  LoopCloser closer(test_camera(), lap_and_more().model, walk_options(), map_of_lap());
   const LoopEvent first = closer.add_keyframe(later_frame(0));
   EXPECT_TRUE(first.neighbours.empty());
   EXPECT_EQ(first.changed, std::vector<std::size_t>{kFramesOfLap});
@@ -83,7 +76,7 @@ TEST(EarlierMap, ItsKeyframesAreNeverNeighboursOfTheNewOnes) {
 }
 
 TEST(EarlierMap, LeavesRoomForTheSessionsOwnPlaces) {
-  LoopCloser closer(test_camera(), lap_and_more().model, options(), map_of_lap());
+  LoopCloser closer(test_camera(), lap_and_more().model, walk_options(), map_of_lap());
   std::size_t num_own = 0;
   for (std::size_t i = 0; i < kFramesOfLap; ++i) {
     Keyframe keyframe = keyframe_of(lap_and_more(), i);  // the same lap once more: the earlier places look most alike
@@ -91,14 +84,14 @@ TEST(EarlierMap, LeavesRoomForTheSessionsOwnPlaces) {
     const LoopEvent event = closer.add_keyframe(keyframe);
     const auto is_own = [](const HypothesisOutcome& outcome) { return outcome.match_session == 1; };
     num_own = static_cast<std::size_t>(std::count_if(event.hypotheses.begin(), event.hypotheses.end(), is_own));
-    EXPECT_EQ(event.hypotheses.size() - num_own, options().hypotheses.max_hypotheses);
+    EXPECT_EQ(event.hypotheses.size() - num_own, walk_options().hypotheses.max_hypotheses);
   }
-  EXPECT_EQ(num_own, options().hypotheses.max_hypotheses);
+  EXPECT_EQ(num_own, walk_options().hypotheses.max_hypotheses);
 }
 
 TEST(EarlierMap, ItsLastKeyframesMayBeRecognisedAtOnce) {
   // With a window of recent keyframes as long as the whole map, none of the earlier session may fall into it.
-  LoopCloserOptions wide = options();
+  LoopCloserOptions wide = walk_options();
   wide.hypotheses.num_recent_excluded = 1000;
   wide.hypotheses.max_hypotheses = 1000;
   LoopCloser closer(test_camera(), lap_and_more().model, wide, map_of_lap());
@@ -115,7 +108,7 @@ TEST(EarlierMap, TheWayFromItsEndToTheNewBeginningIsNoMotion) {
   KeyframeMap back = forth;
   std::reverse(back.keyframes.begin(), back.keyframes.end());
   for (std::size_t i = 0; i < back.keyframes.size(); ++i) back.keyframes[i].view.frame = i;
-  LoopCloserOptions all = options();
+  LoopCloserOptions all = walk_options();
   all.hypotheses.max_hypotheses = 1000;
   LoopCloser of_forth(test_camera(), lap_and_more().model, all, forth), of_back(test_camera(), lap_and_more().model, all, back);
   // Sums of the same terms in another order.
@@ -134,7 +127,7 @@ TEST(EarlierMap, TheWayFromItsEndToTheNewBeginningIsNoMotion) {
 }
 
 TEST(EarlierMap, LoopsWithinTheLaterSessionNameIt) {
-  LoopCloser closer(test_camera(), lap_and_more().model, options(), map_of_lap());
+  LoopCloser closer(test_camera(), lap_and_more().model, walk_options(), map_of_lap());
   bool has_own = false;
   for (std::size_t i = 0; i < kFramesOfLap + 4; ++i) {
     Keyframe keyframe = keyframe_of(lap_and_more(), i);
@@ -142,7 +135,7 @@ TEST(EarlierMap, LoopsWithinTheLaterSessionNameIt) {
     for (const HypothesisOutcome& outcome : closer.add_keyframe(keyframe).hypotheses) {
       if (outcome.match_session == 1) {
         has_own = true;
-        EXPECT_GT(i - outcome.match, options().hypotheses.num_recent_excluded);
+        EXPECT_GT(i - outcome.match, walk_options().hypotheses.num_recent_excluded);
       } else {
         EXPECT_GE(outcome.match, 100U);
       }
@@ -152,7 +145,7 @@ TEST(EarlierMap, LoopsWithinTheLaterSessionNameIt) {
 }
 
 TEST(EarlierMap, ConsistencyHoldsAcrossSessionsToo) {
-  LoopCloserOptions strict = options();
+  LoopCloserOptions strict = walk_options();
   strict.consistency.num_required = 2;
   LoopCloser closer(test_camera(), lap_and_more().model, strict, map_of_lap());
   std::size_t num_loops = 0;
@@ -165,7 +158,7 @@ TEST(EarlierMap, ConsistencyHoldsAcrossSessionsToo) {
 }
 
 TEST(EarlierMap, CamerasMayDiffer) {
-  LoopCloserOptions on_a_body = options();
+  LoopCloserOptions on_a_body = walk_options();
   on_a_body.body_from_camera = {rotation_from_vector({0.3, 0.2, 0.1}), {0.5, 0, 0}};
   // The later session's camera is its body; the earlier one's sat on another.
   KeyframeMap earlier;
@@ -178,8 +171,8 @@ TEST(EarlierMap, CamerasMayDiffer) {
     }
     earlier = closer.map();
   }
-  LoopCloser closer(test_camera(), lap_and_more().model, options(), earlier);
-  LoopCloser of_cameras(test_camera(), lap_and_more().model, options(), map_of_lap());
+  LoopCloser closer(test_camera(), lap_and_more().model, walk_options(), earlier);
+  LoopCloser of_cameras(test_camera(), lap_and_more().model, walk_options(), map_of_lap());
   constexpr double kRounding = 1e-6;  // the same numbers in another order of operations, through RANSAC's refinement
   for (std::size_t i = 0; i < 5; ++i) {
     const LoopEvent a = closer.add_keyframe(later_frame(i)), b = of_cameras.add_keyframe(later_frame(i));
@@ -194,8 +187,8 @@ TEST(EarlierMap, CamerasMayDiffer) {
 }
 
 TEST(EarlierMap, AnEmptyOneChangesNothing) {
-  LoopCloser plain(test_camera(), lap_and_more().model, options());
-  LoopCloser with_empty(test_camera(), lap_and_more().model, options(), KeyframeMap{});
+  LoopCloser plain(test_camera(), lap_and_more().model, walk_options());
+  LoopCloser with_empty(test_camera(), lap_and_more().model, walk_options(), KeyframeMap{});
   for (std::size_t i = 0; i < 12; ++i) {
     const Keyframe keyframe = keyframe_of(lap_and_more(), i);
     EXPECT_EQ(text_of(plain.add_keyframe(keyframe)), text_of(with_empty.add_keyframe(keyframe)));

@@ -19,14 +19,7 @@ using testing_support::make_walk;
 using testing_support::test_camera;
 using testing_support::text_of;
 using testing_support::Walk;
-
-LoopCloserOptions walk_options() {
-  LoopCloserOptions options;
-  options.hypotheses.num_recent_excluded = 10;
-  options.hypotheses.max_hypotheses = 2;
-  options.num_threads = 1;
-  return options;
-}
+using testing_support::walk_options;
 
 std::vector<LoopEvent> close_loops(const Walk& walk, const LoopCloserOptions& options) {
   LoopCloser closer(test_camera(), walk.model, options);

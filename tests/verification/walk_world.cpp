@@ -91,4 +91,12 @@ Keyframe keyframe_of(const Walk& walk, std::size_t i) {
           .features = walk.features[i]};
 }
 
+LoopCloserOptions walk_options() {
+  LoopCloserOptions options;
+  options.hypotheses.num_recent_excluded = 10;
+  options.hypotheses.max_hypotheses = 2;
+  options.num_threads = 1;
+  return options;
+}
+
 }  // namespace fabloop::testing_support

@@ -10,6 +10,7 @@
 #include "frontend/features/features.h"
 #include "frontend/geometry/pose.h"
 #include "verification/keyframe.h"
+#include "verification/loop_closer.h"
 
 namespace fabloop::testing_support {
 
@@ -33,5 +34,8 @@ Walk make_walk(const WalkOptions& options = {});
 
 /// Frame i of a walk as a keyframe with the true odometry. Hosts number keyframes as they like: this one from 100, a second each.
 Keyframe keyframe_of(const Walk& walk, std::size_t i);
+
+/// A loop closer's for a walk: two hypotheses a keyframe, none among the last ten, one thread.
+LoopCloserOptions walk_options();
 
 }  // namespace fabloop::testing_support
