@@ -53,6 +53,7 @@ void for_each_column(const LoopEvent& event, std::size_t index, const Hypothesis
   visit("p_true", v.p_true);
   visit("session", event.session);
   visit("match_session", outcome.match_session);
+  visit("looks", v.num_looks);
 }
 
 /// As many digits as it takes to get the same number back.

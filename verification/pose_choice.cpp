@@ -19,13 +19,6 @@ std::vector<Match> inlier_matches(const std::vector<Match>& matches, const Relat
   return inliers;
 }
 
-/// Of the true pairs, their noise being as large as it turned out, against residuals at random within the threshold: the right
-/// one of two poses is often not the one with more inliers, but the one on which they lie closer.
-double log_likelihood(const RelativePose& relative, double max_error_rad) {
-  constexpr double kMaxSharpness = 20.0;  // a noise below a twentieth of the threshold is luck
-  return relative.num_true * std::log(std::min(kMaxSharpness, max_error_rad / relative.noise_rad));
-}
-
 double other_log_likelihood(const PoseCandidate& candidate, const std::optional<PosePrior>& prior) {
   double sum = candidate.scale ? candidate.scale->log_likelihood : 0.0;
   if (!prior) return sum;

@@ -250,6 +250,25 @@ std::optional<RelativePose> finish(std::span<const RayPair> pairs, Pose match_fr
   return result;
 }
 
+/// The pose or one that most of its inliers lie closer to. Where views overlap little, poses many degrees apart have the same
+/// pairs within the threshold, and the sum of truncated squares hardly tells which is right; the noise does.
+RelativePose sharper_of(std::span<const RayPair> pairs, RelativePose found, const RelativePoseOptions& options) {
+  constexpr double kSharper = 0.25;
+  constexpr int kMaxIterations = 200;
+  if (found.noise_rad < kSharper * options.max_error_rad) return found;
+  std::vector<RayPair> inliers;
+  for (const std::size_t i : found.inliers) inliers.push_back(pairs[i]);
+  RelativePoseOptions sharper = options;
+  sharper.max_error_rad *= kSharper;
+  const RelativePoseProblem problem(inliers, sharper);
+  const auto best = ransac(problem, {sharper.max_error_rad, options.confidence, kMaxIterations, options.seed, 0});
+  if (!best) return found;
+  auto rival = finish(pairs, best->model, options, found.iterations + best->iterations);
+  const bool is_better =
+      rival && log_likelihood(*rival, options.max_error_rad) > log_likelihood(found, options.max_error_rad);
+  return is_better ? std::move(*rival) : found;
+}
+
 }  // namespace
 
 std::optional<RelativePose> estimate_relative_pose(std::span<const RayPair> pairs, const RelativePoseOptions& options) {
@@ -257,7 +276,14 @@ std::optional<RelativePose> estimate_relative_pose(std::span<const RayPair> pair
   const auto best =
       ransac(problem, {options.max_error_rad, options.confidence, options.max_iterations, options.seed, options.min_inliers});
   if (!best) return std::nullopt;
-  return finish(pairs, best->model, options, best->iterations);
+  auto found = finish(pairs, best->model, options, best->iterations);
+  if (found) found = sharper_of(pairs, std::move(*found), options);
+  return found;
+}
+
+double log_likelihood(const RelativePose& relative, double max_error_rad) {
+  constexpr double kMaxSharpness = 20.0;  // a noise below a twentieth of the threshold is luck
+  return relative.num_true * std::log(std::min(kMaxSharpness, max_error_rad / relative.noise_rad));
 }
 
 std::optional<RelativePose> refine_relative_pose(std::span<const RayPair> pairs, const Pose& match_from_query,

@@ -9,16 +9,33 @@
 #include <vector>
 
 #include "frontend/geometry/pose.h"
+#include "verification/match_consistency.h"
 #include "verification/matching.h"
 #include "verification/pose_choice.h"
 #include "verification/scale.h"
+#include "verification/similar_group.h"
 #include "verification/verdict.h"
 #include "verification/view.h"
 
 namespace fabloop {
 
+/// A pair that the first features do not prove is looked at again, with all of them, where that may help. The second look takes
+/// only matches that turn and grow like most, so its ratio test may be laxer.
+struct SecondLook {
+  std::size_t num_first_features = 2000;  ///< Of the first look, whose time grows with their square.
+  std::size_t min_similar = 4;            ///< Least largest_similar_group() of the first look's matches that is worth another.
+  double max_ratio = 0.9;                 ///< Of the second look; the first has MatchingOptions::max_ratio.
+  SimilarGroupOptions similar;
+};
+
 struct VerifierOptions {
   MatchingOptions matching;
+  SecondLook second_look;
+  /// Which matches turn and grow alike: accidents seldom do.
+  MatchConsistencyOptions consistency{.max_turn_difference_deg = 30};
+  /// Makes a proven but uncertain pose more certain by matches along its epipolar lines; see guided_matching.h. It saves a few
+  /// loops between views that hardly overlap, the least reliable ones.
+  bool guided = false;
   int min_matches = 20;  ///< Fewer are not worth a RANSAC.
   int min_inliers = 15;  ///< The field's usual least; the accidental-inlier gate asks for more where matches abound.
   /// Largest distance from the epipolar plane, pixels of the match. Raise it for badly known lenses and rolling shutters.
@@ -57,6 +74,7 @@ struct VerifierOptions {
 struct Verification {
   Verdict verdict = Verdict::TooFewMatches;
   double p_true = 0;  ///< Probability that the loop is right; see loop_probability.h. 0 without a pose.
+  int num_looks = 1;  ///< See SecondLook.
   int num_matches = 0;
   int num_inliers = 0;                ///< Epipolar.
   double num_true = 0;                ///< Expected number of true ones among them; see inlier_noise.h.

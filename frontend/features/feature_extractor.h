@@ -15,7 +15,7 @@ class FeatureExtractor {
   /// Throws InputError when an option is out of range, the pairing makes no sense, or SURF is asked for and was not built in.
   explicit FeatureExtractor(const FeatureOptions& options = {});
 
-  /// Features of an 8-bit grey image (`CV_8UC1`), at most max_features, spread evenly over it, the strongest first. None for an
+  /// Features of an 8-bit grey image (`CV_8UC1`), at most max_features, spread evenly over it, in the order of spatially_even(). None for an
   /// image without texture or smaller than the detector's filters. Safe to call from several threads at once.
   Features extract(const cv::Mat& gray) const;
 

@@ -80,20 +80,15 @@ std::vector<Spot> group_into_spots(const std::vector<cv::KeyPoint>& keypoints, c
 
 std::vector<std::size_t> spatially_even(const std::vector<cv::KeyPoint>& keypoints, const cv::Size& image_size,
                                         std::size_t wanted) {
-  const std::vector<std::size_t> order = strongest_first(keypoints);
-  if (keypoints.size() <= wanted) return order;
-  std::vector<Spot> spots = group_into_spots(keypoints, order, make_grid(image_size, wanted));
+  std::vector<Spot> spots =
+      group_into_spots(keypoints, strongest_first(keypoints), make_grid(image_size, std::min(wanted, keypoints.size())));
   std::stable_sort(spots.begin(), spots.end(), [](const Spot& a, const Spot& b) { return a.turn < b.turn; });
-  std::vector<char> is_kept(keypoints.size(), 0);
-  std::size_t num_kept = 0;
-  for (const Spot& spot : spots) {
-    if (num_kept + spot.keypoints.size() > wanted) continue;
-    for (const std::size_t i : spot.keypoints) is_kept[i] = 1;
-    num_kept += spot.keypoints.size();
-  }
   std::vector<std::size_t> kept;
-  kept.reserve(num_kept);
-  std::copy_if(order.begin(), order.end(), std::back_inserter(kept), [&](std::size_t i) { return is_kept[i] != 0; });
+  kept.reserve(std::min(wanted, keypoints.size()));
+  for (const Spot& spot : spots) {
+    if (kept.size() + spot.keypoints.size() > wanted) continue;
+    kept.insert(kept.end(), spot.keypoints.begin(), spot.keypoints.end());
+  }
   return kept;
 }
 

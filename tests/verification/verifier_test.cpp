@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <cmath>
 #include <opencv2/core.hpp>
 
 #include "tests/verification/two_view_world.h"
@@ -152,22 +153,94 @@ TEST(Verifier, PointsTellThePosesOfAPlaneApart) {
   }
 }
 
+void append(View& view, const View& other) {
+  auto& keypoints = view.features.keypoints;
+  keypoints.insert(keypoints.end(), other.features.keypoints.begin(), other.features.keypoints.end());
+  cv::vconcat(view.features.descriptors, other.features.descriptors, view.features.descriptors);
+  view = make_view(view.frame, view.camera, view.features);
+}
+
 TEST(Verifier, TextureThatRepeatsIsToldApart) {
   // Two sets of matches, each with a pose of its own.
   const TwoViews first = make_two_views({.num_points = 100, .seed = 1});
   const TwoViews second = make_two_views({.num_points = 100, .seed = 2});
   TwoViews both = first;
-  const auto append = [](View& view, const View& other) {
-    auto& keypoints = view.features.keypoints;
-    keypoints.insert(keypoints.end(), other.features.keypoints.begin(), other.features.keypoints.end());
-    cv::vconcat(view.features.descriptors, other.features.descriptors, view.features.descriptors);
-    view = make_view(view.frame, view.camera, view.features);
-  };
   append(both.query, second.query);
   append(both.match, second.match);
   const Verification found = Verifier().verify(both.query, both.match);
   EXPECT_EQ(found.verdict, Verdict::RepeatedTexture) << to_string(found.verdict);
   EXPECT_GT(found.num_second_inliers, 60);
+}
+
+void set_angles(View& view, float angle_deg) {
+  for (cv::KeyPoint& keypoint : view.features.keypoints) keypoint.angle = angle_deg;
+}
+
+TEST(Verifier, TextureThatRepeatsTurnedIsToldApartByTheSecondLook) {
+  // The smaller set turned otherwise: the second look leaves it out of its matches, and yet must see that it has a pose.
+  TwoViews both = make_two_views({.num_points = 110, .seed = 1});
+  TwoViews second = make_two_views({.num_points = 100, .seed = 2});
+  set_angles(both.query, 0);
+  set_angles(both.match, 10);
+  set_angles(second.query, 0);
+  set_angles(second.match, 120);
+  append(both.query, second.query);
+  append(both.match, second.match);
+  const Verification found = Verifier().verify(both.query, both.match);
+  EXPECT_EQ(found.verdict, Verdict::RepeatedTexture) << to_string(found.verdict);
+}
+
+TEST(Verifier, LooksAgainWithAllFeaturesWhereTheFirstProveNothing) {
+  const TwoViews world = make_two_views({.num_points = 300, .outlier_ratio = 0.3, .noise_px = 0.3, .with_points = true});
+  VerifierOptions options;
+  options.second_look.num_first_features = 16;
+  const Verification found = Verifier(options).verify(world.query, world.match);
+  EXPECT_EQ(found.verdict, Verdict::Accepted) << to_string(found.verdict);
+  EXPECT_EQ(found.num_looks, 2);
+  EXPECT_GT(found.num_matches, 200);
+  options.second_look.min_similar = 25;  // more than there are in the first look
+  const Verification once = Verifier(options).verify(world.query, world.match);
+  EXPECT_EQ(once.num_looks, 1);
+  EXPECT_NE(once.verdict, Verdict::Accepted);
+}
+
+/// Gives all features of the match but the first `num_distinct` a double elsewhere that looks about as much like the query's.
+TwoViews with_doubles(TwoViews world, int num_distinct) {
+  cv::RNG random(1);
+  Features features = world.match.features;
+  const int count = features.descriptors.rows, size = features.descriptors.cols;
+  const auto noisy = [&](const cv::Mat& descriptor) {
+    constexpr double kNoise = 0.2;  // of a descriptor's own scatter
+    cv::Mat noise(1, size, CV_32F);
+    random.fill(noise, cv::RNG::NORMAL, 0, kNoise);
+    return cv::Mat(descriptor + noise);
+  };
+  for (int i = num_distinct; i < count; ++i) {
+    const cv::Mat original = world.query.features.descriptors.row(i);
+    noisy(original).copyTo(features.descriptors.row(i));
+    features.descriptors.push_back(noisy(original));
+    features.keypoints.emplace_back(random.uniform(0.0F, 639.0F), random.uniform(0.0F, 479.0F), 3.0F);
+  }
+  world.match = make_view(world.match.frame, world.match.camera, features);
+  return world;
+}
+
+TEST(Verifier, GuidedMatchesMakeAProvenPoseMoreCertain) {
+  const TwoViews world = with_doubles(make_two_views({.num_points = 300, .noise_px = 0.5}), 60);
+  VerifierOptions options;
+  options.second_look.min_similar = 1000;  // none
+  const Verification plain = Verifier(options).verify(world.query, world.match);
+  ASSERT_EQ(plain.verdict, Verdict::Accepted) << to_string(plain.verdict);
+  const double field_of_view_rad = 2 * std::atan(0.5 * std::hypot(640, 480) / 500);
+  options.max_rotation_sigma = 0.7 * rad_from_deg(plain.rotation_sigma_deg) / field_of_view_rad;
+  const Verification vague = Verifier(options).verify(world.query, world.match);
+  EXPECT_EQ(vague.verdict, Verdict::PoorlyConstrained) << to_string(vague.verdict);
+  options.guided = true;
+  const Verification guided = Verifier(options).verify(world.query, world.match);
+  EXPECT_EQ(guided.verdict, Verdict::Accepted) << to_string(guided.verdict);
+  EXPECT_GT(guided.num_inliers, 2 * plain.num_inliers);
+  EXPECT_EQ(guided.log10_false_alarms, vague.log10_false_alarms) << "guided matches prove nothing";
+  EXPECT_LT(deg_from_rad(guided.match_from_query.rotation.angularDistance(world.match_from_query.rotation)), 0.5);
 }
 
 TEST(Verifier, InliersInACornerAreAVerdict) {

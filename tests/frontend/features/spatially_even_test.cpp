@@ -43,10 +43,17 @@ TEST(SpatiallyEven, ARichCornerDoesNotStarveTheRest) {
   EXPECT_EQ(std::set<std::size_t>(kept.begin(), kept.end()).size(), kept.size());
 }
 
-TEST(SpatiallyEven, TheStrongestComeFirst) {
+TEST(SpatiallyEven, TheFirstCoverTheImageTooTheStrongestOfEachCellBeforeTheOthers) {
   const auto keypoints = crowded_on_the_left();
-  const auto kept = spatially_even(keypoints, {1000, 1000}, 200);
-  for (std::size_t k = 1; k < kept.size(); ++k) EXPECT_GE(keypoints[kept[k - 1]].response, keypoints[kept[k]].response);
+  const auto kept = spatially_even(keypoints, {1000, 1000}, 800);
+  // 7 x 8 cells or so, one column of them in the crowd: the first turn takes one keypoint of each that has any.
+  constexpr std::size_t kFirstTurn = 30;
+  const auto in_crowd = [&](std::size_t i) { return keypoints[i].pt.x <= 100; };
+  EXPECT_LT(std::count_if(kept.begin(), kept.begin() + kFirstTurn, in_crowd), 15);
+  EXPECT_GT(std::count_if(kept.begin(), kept.end(), in_crowd), 600);
+  const auto strongest = std::max_element(keypoints.begin(), keypoints.end(),
+                                          [](const auto& a, const auto& b) { return a.response < b.response; });
+  EXPECT_EQ(kept.front(), static_cast<std::size_t>(strongest - keypoints.begin()));
 }
 
 TEST(SpatiallyEven, EqualKeypointsGoByTheirIndex) {
