@@ -16,7 +16,7 @@
 #include "frontend/error.h"
 #include "posegraph/connectivity.h"
 #include "posegraph/information.h"
-#include "posegraph/residuals.h"
+#include "posegraph/residuals/residuals.h"
 #include "verification/chi_square.h"
 
 namespace fabloop {
@@ -141,7 +141,7 @@ std::vector<EdgeResult> evaluate_edges(const PoseGraph& graph, const Residuals& 
   results.reserve(graph.edges.size());
   for (std::size_t e = 0; e < graph.edges.size(); ++e) {
     const Edge& edge = graph.edges[e];
-    std::array<double, residuals::ChordalResidual::kSize> residual{};
+    std::array<double, residuals::kMaxSize> residual{};
     residuals[e]->Evaluate(blocks_of(edge, graph.dimension, states).data(), residual.data(), nullptr);
     double chi2 = 0.0;
     for (const double r : residual) chi2 += r * r;
