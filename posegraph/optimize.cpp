@@ -12,45 +12,18 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "frontend/error.h"
 #include "posegraph/connectivity.h"
 #include "posegraph/information.h"
 #include "posegraph/residuals/residuals.h"
+#include "posegraph/solver_state.h"
 #include "verification/chi_square.h"
 
 namespace fabloop {
 namespace {
-
-/// A vertex as Ceres moves it: quaternion (x y z w) and translation, or (x, y, yaw) in the first three.
-using State = std::array<double, 7>;
-
-std::vector<State> read_states(const PoseGraph& graph) {
-  std::vector<State> states;
-  states.reserve(graph.vertices.size());
-  for (const Vertex& vertex : graph.vertices) {
-    const auto& [q, t] = vertex.world_from_frame;
-    if (graph.dimension == 2) {
-      states.push_back({t.x(), t.y(), 2.0 * std::atan2(q.z(), q.w())});
-    } else {
-      states.push_back({q.x(), q.y(), q.z(), q.w(), t.x(), t.y(), t.z()});
-    }
-  }
-  return states;
-}
-
-Pose pose_from_state(const State& s, int dimension) {
-  if (dimension == 2) return {Eigen::Quaterniond(std::cos(0.5 * s[2]), 0.0, 0.0, std::sin(0.5 * s[2])), {s[0], s[1], 0.0}};
-  return {Eigen::Quaterniond(s[3], s[0], s[1], s[2]).normalized(), {s[4], s[5], s[6]}};
-}
-
-/// The parameter blocks of an edge's residual.
-std::vector<double*> blocks_of(const Edge& edge, int dimension, std::vector<State>& states) {
-  double* const i = states[edge.from].data();
-  double* const j = states[edge.to].data();
-  if (dimension == 2) return {i, j};
-  return {i, i + 4, j, j + 4};
-}
 
 /// A robust loss in Ceres' clothes.
 class Loss final : public ceres::LossFunction {
@@ -73,31 +46,54 @@ struct EdgeLoss {
   double c2 = 1.0;
 };
 
-EdgeLoss loss_of(const Edge& edge, int dimension, const OptimizeOptions& options) {
-  const auto& kinds = options.robust_kinds;
-  if (std::find(kinds.begin(), kinds.end(), edge.kind) == kinds.end()) return {};
-  const int degrees_of_freedom = dimension == 2 ? 3 : edge.has_scale ? 6 : 5;
-  return {options.robust_loss, chi_square_quantile(options.robust_probability, degrees_of_freedom)};
+std::vector<EdgeLoss> edge_losses(const PoseGraph& graph, const OptimizeOptions& options) {
+  // Of 5 and 6 errors in space, 3 in the plane.
+  std::array<double, residuals::kMaxSize + 1> c2{};
+  for (const int degrees_of_freedom : {3, 5, 6}) {
+    c2[degrees_of_freedom] = chi_square_quantile(options.robust_probability, degrees_of_freedom);
+  }
+  std::vector<EdgeLoss> losses;
+  losses.reserve(graph.edges.size());
+  for (const Edge& edge : graph.edges) {
+    const auto& kinds = options.robust_kinds;
+    const bool is_robust = std::find(kinds.begin(), kinds.end(), edge.kind) != kinds.end();
+    losses.push_back(is_robust ? EdgeLoss{options.robust_loss, c2[graph.dimension == 2 ? 3 : edge.has_scale ? 6 : 5]} : EdgeLoss{});
+  }
+  return losses;
 }
 
-class ReportProgress final : public ceres::IterationCallback {
+/// Progress, cancelling, and when to stop. The cost falls by a factor of about `ratio` less with each iteration, so what is left
+/// to gain is the geometric series that goes on from the last two: one iteration less than waiting for one without gain.
+class IterationControl final : public ceres::IterationCallback {
  public:
-  explicit ReportProgress(const OptimizeOptions& options) : options_(options) {}
+  explicit IterationControl(const OptimizeOptions& options) : options_(options) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
     if (options_.progress) {
       options_.progress("optimize", static_cast<std::size_t>(summary.iteration),
                         static_cast<std::size_t>(options_.max_iterations));
     }
-    if (!options_.cancelled || !options_.cancelled()) return ceres::SOLVER_CONTINUE;
-    cancelled = true;
+    cancelled = options_.cancelled && options_.cancelled();
     // "Successfully" makes Ceres hand back the best poses so far.
-    return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+    return cancelled || has_converged(summary) ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
   }
 
   bool cancelled = false;
 
  private:
+  bool has_converged(const ceres::IterationSummary& summary) {
+    if (!summary.step_is_successful) {
+      last_change_ = 0.0;
+      return false;
+    }
+    const double change = std::exchange(last_change_, summary.cost_change);
+    // A slow series may hide a slower one.
+    constexpr double kMaxRatio = 0.1;
+    const double ratio = change > 0.0 ? summary.cost_change / change : 1.0;
+    return ratio <= kMaxRatio && summary.cost_change * ratio / (1.0 - ratio) <= options_.cost_tolerance * summary.cost;
+  }
+
   const OptimizeOptions& options_;
+  double last_change_ = 0.0;
 };
 
 void check(const PoseGraph& graph, const OptimizeOptions& options) {
@@ -136,7 +132,7 @@ Residuals make_residuals(const PoseGraph& graph, Objective objective) {
 }
 
 std::vector<EdgeResult> evaluate_edges(const PoseGraph& graph, const Residuals& residuals, std::vector<State>& states,
-                                       const OptimizeOptions& options) {
+                                       const std::vector<EdgeLoss>& losses) {
   std::vector<EdgeResult> results;
   results.reserve(graph.edges.size());
   for (std::size_t e = 0; e < graph.edges.size(); ++e) {
@@ -145,18 +141,14 @@ std::vector<EdgeResult> evaluate_edges(const PoseGraph& graph, const Residuals& 
     residuals[e]->Evaluate(blocks_of(edge, graph.dimension, states).data(), residual.data(), nullptr);
     double chi2 = 0.0;
     for (const double r : residual) chi2 += r * r;
-    const EdgeLoss loss = loss_of(edge, graph.dimension, options);
-    results.push_back({chi2, robust_weight(loss.loss, chi2, loss.c2)});
+    results.push_back({chi2, robust_weight(losses[e].loss, chi2, losses[e].c2)});
   }
   return results;
 }
 
-double sum_cost(const PoseGraph& graph, const std::vector<EdgeResult>& results, const OptimizeOptions& options) {
+double sum_cost(const std::vector<EdgeResult>& results, const std::vector<EdgeLoss>& losses) {
   double cost = 0.0;
-  for (std::size_t e = 0; e < results.size(); ++e) {
-    const EdgeLoss loss = loss_of(graph.edges[e], graph.dimension, options);
-    cost += robust_cost(loss.loss, results[e].chi2, loss.c2);
-  }
+  for (std::size_t e = 0; e < results.size(); ++e) cost += robust_cost(losses[e].loss, results[e].chi2, losses[e].c2);
   return cost;
 }
 
@@ -175,7 +167,7 @@ ceres::Problem::Options unowned() {
 }
 
 void build(const PoseGraph& graph, const Residuals& residuals, const std::vector<std::size_t>& anchors,
-           const OptimizeOptions& options, std::vector<State>& states, Solver& solver, ceres::Problem& problem) {
+           const std::vector<EdgeLoss>& losses, std::vector<State>& states, Solver& solver, ceres::Problem& problem) {
   for (State& state : states) {
     if (graph.dimension == 2) {
       problem.AddParameterBlock(state.data(), 3);
@@ -185,7 +177,7 @@ void build(const PoseGraph& graph, const Residuals& residuals, const std::vector
     }
   }
   for (std::size_t e = 0; e < graph.edges.size(); ++e) {
-    const EdgeLoss loss = loss_of(graph.edges[e], graph.dimension, options);
+    const EdgeLoss loss = losses[e];
     if (loss.loss != RobustLoss::None) solver.losses.push_back(std::make_unique<Loss>(loss.loss, loss.c2));
     problem.AddResidualBlock(residuals[e].get(), loss.loss == RobustLoss::None ? nullptr : solver.losses.back().get(),
                              blocks_of(graph.edges[e], graph.dimension, states));
@@ -196,7 +188,7 @@ void build(const PoseGraph& graph, const Residuals& residuals, const std::vector
   }
 }
 
-ceres::Solver::Options solver_options(const OptimizeOptions& options) {
+ceres::Solver::Options solver_options(const OptimizeOptions& options, Initialization start) {
   ceres::Solver::Options result;
   result.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   result.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
@@ -207,14 +199,63 @@ ceres::Solver::Options solver_options(const OptimizeOptions& options) {
   result.gradient_tolerance = 0.0;
   result.parameter_tolerance = 1e-14;
   result.logging_type = ceres::SILENT;
+  // Near the optimum damping only holds up the bends that are as long as the map: take Gauss-Newton steps first.
+  constexpr double kHardlyDamped = 1e10;
+  if (start == Initialization::Chordal) result.initial_trust_region_radius = kHardlyDamped;
   return result;
 }
 
 Termination termination_of(const ceres::Solver::Summary& summary, bool cancelled) {
   if (cancelled) return Termination::Cancelled;
-  if (summary.termination_type == ceres::CONVERGENCE) return Termination::Converged;
+  const bool stopped = summary.termination_type == ceres::USER_SUCCESS;
+  if (stopped || summary.termination_type == ceres::CONVERGENCE) return Termination::Converged;
   if (summary.termination_type == ceres::NO_CONVERGENCE) return Termination::MaxIterations;
   return Termination::Failed;
+}
+
+/// Puts the graph at its start and says which one that is.
+Initialization initialize(PoseGraph& graph, const OptimizeOptions& options) {
+  switch (options.initialization) {
+    case Initialization::AsGiven:
+      break;
+    case Initialization::SpanningTree:
+      chain_along_edges(graph);
+      break;
+    case Initialization::Chordal:
+      initialize_chordal(graph);
+      break;
+    case Initialization::LowestCost: {
+      Initialization best = Initialization::AsGiven;
+      double lowest_cost = evaluate_cost(graph, options);
+      const PoseGraph given = graph;
+      for (const Initialization candidate : {Initialization::SpanningTree, Initialization::Chordal}) {
+        PoseGraph start = given;
+        candidate == Initialization::Chordal ? initialize_chordal(start) : chain_along_edges(start);
+        const double cost = evaluate_cost(start, options);
+        if (cost >= lowest_cost) continue;
+        best = candidate;
+        lowest_cost = cost;
+        graph.vertices = std::move(start.vertices);
+      }
+      return best;
+    }
+  }
+  return options.initialization;
+}
+
+/// Lets Ceres move the states.
+void solve(const PoseGraph& graph, const Residuals& residuals, const std::vector<EdgeLoss>& losses, const OptimizeOptions& options,
+           std::vector<State>& states, OptimizeReport& report) {
+  Solver solver;
+  ceres::Problem problem(unowned());
+  build(graph, residuals, report.anchors, losses, states, solver, problem);
+  ceres::Solver::Options ceres_options = solver_options(options, report.start);
+  IterationControl control(options);
+  ceres_options.callbacks.push_back(&control);
+  ceres::Solver::Summary summary;
+  ceres::Solve(ceres_options, &problem, &summary);
+  report.termination = termination_of(summary, control.cancelled);
+  report.iterations = summary.num_successful_steps + summary.num_unsuccessful_steps - 1;
 }
 
 }  // namespace
@@ -222,24 +263,21 @@ Termination termination_of(const ceres::Solver::Summary& summary, bool cancelled
 OptimizeReport optimize(PoseGraph& graph, const OptimizeOptions& options) {
   check(graph, options);
   OptimizeReport report = describe(graph, options.objective);
-  std::vector<State> states = read_states(graph);
   const Residuals residuals = make_residuals(graph, options.objective);
-  report.edges = evaluate_edges(graph, residuals, states, options);
-  report.initial_cost = report.final_cost = sum_cost(graph, report.edges, options);
+  const std::vector<EdgeLoss> losses = edge_losses(graph, options);
+  std::vector<State> states = read_states(graph);
+  report.edges = evaluate_edges(graph, residuals, states, losses);
+  report.initial_cost = report.final_cost = sum_cost(report.edges, losses);
   if (graph.edges.empty() || report.anchors.size() == graph.vertices.size()) return report;
 
-  Solver solver;
-  ceres::Problem problem(unowned());
-  build(graph, residuals, report.anchors, options, states, solver, problem);
-  ceres::Solver::Options ceres_options = solver_options(options);
-  ReportProgress callback(options);
-  ceres_options.callbacks.push_back(&callback);
-  ceres::Solver::Summary summary;
-  ceres::Solve(ceres_options, &problem, &summary);
-
-  report.termination = termination_of(summary, callback.cancelled);
-  report.iterations = std::max(0, static_cast<int>(summary.iterations.size()) - 1);
-  if (report.termination == Termination::Failed) return report;
+  const std::vector<Vertex> given = graph.vertices;
+  report.start = initialize(graph, options);
+  states = read_states(graph);
+  solve(graph, residuals, losses, options, states, report);
+  if (report.termination == Termination::Failed) {
+    graph.vertices = given;
+    return report;
+  }
   for (std::size_t v = 0, next_anchor = 0; v < states.size(); ++v) {
     if (next_anchor < report.anchors.size() && report.anchors[next_anchor] == v) {
       ++next_anchor;
@@ -248,15 +286,19 @@ OptimizeReport optimize(PoseGraph& graph, const OptimizeOptions& options) {
     }
   }
   states = read_states(graph);
-  report.edges = evaluate_edges(graph, residuals, states, options);
-  report.final_cost = sum_cost(graph, report.edges, options);
+  report.edges = evaluate_edges(graph, residuals, states, losses);
+  report.final_cost = sum_cost(report.edges, losses);
   return report;
 }
 
-double evaluate_cost(const PoseGraph& graph, const OptimizeOptions& options) {
+std::vector<EdgeResult> evaluate_edges(const PoseGraph& graph, const OptimizeOptions& options) {
   check(graph, options);
   std::vector<State> states = read_states(graph);
-  return sum_cost(graph, evaluate_edges(graph, make_residuals(graph, options.objective), states, options), options);
+  return evaluate_edges(graph, make_residuals(graph, options.objective), states, edge_losses(graph, options));
+}
+
+double evaluate_cost(const PoseGraph& graph, const OptimizeOptions& options) {
+  return sum_cost(evaluate_edges(graph, options), edge_losses(graph, options));
 }
 
 }  // namespace fabloop
