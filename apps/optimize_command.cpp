@@ -12,6 +12,7 @@
 #include "frontend/error.h"
 #include "posegraph/g2o_io.h"
 #include "posegraph/optimize.h"
+#include "posegraph/staircase.h"
 
 namespace fabloop::apps {
 namespace {
@@ -35,6 +36,7 @@ struct OptimizeArguments {
   std::string robust = "none";
   bool overwrite = false;
   bool strict = false;
+  bool certify = false;
   OptimizeOptions options;
 };
 
@@ -52,11 +54,18 @@ void run_optimize(OptimizeArguments& arguments, const CommonOptions& common) {
   arguments.options.robust_loss = kRobustLosses.at(arguments.robust);
   arguments.options.progress = make_progress(common);
   const auto start = std::chrono::steady_clock::now();
-  const OptimizeReport report = optimize(graph, arguments.options);
+  GlobalReport solution;
+  if (arguments.certify) {
+    GlobalOptions global_options;
+    global_options.optimize = arguments.options;
+    solution = optimize_globally(graph, global_options);
+  } else {
+    solution.optimize = optimize(graph, arguments.options);
+  }
+  const OptimizeReport& report = solution.optimize;
   const double time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (report.termination == Termination::Failed) {
-    throw InputError(arguments.in +
-                     ": the solver found no usable step from these poses; give another --init");
+    throw InputError(arguments.in + ": the solver found no usable step from these poses; give another --init");
   }
   write_g2o(arguments.out, graph);
   std::cout << std::setprecision(10) << "vertices    " << graph.vertices.size() << " (" << graph.dimension << "-D)\n"
@@ -65,8 +74,12 @@ void run_optimize(OptimizeArguments& arguments, const CommonOptions& common) {
             << "objective   " << arguments.objective << ", robust loss " << arguments.robust << '\n'
             << "start       " << in_words(report.start) << '\n'
             << "cost        " << report.initial_cost << " -> " << report.final_cost << '\n'
-            << "iterations  " << report.iterations << ", " << in_words(report.termination) << '\n'
-            << "time        " << std::fixed << std::setprecision(2) << time_s << " s\n"
+            << "iterations  " << report.iterations << ", " << in_words(report.termination) << '\n';
+  if (arguments.certify) {
+    std::cout << "certificate " << solution.certificate.brief() << '\n'
+              << "staircase   " << solution.num_extra_dimensions << " dimensions added\n";
+  }
+  std::cout << "time        " << std::fixed << std::setprecision(2) << time_s << " s\n"
             << "wrote       " << arguments.out << '\n';
 }
 
@@ -81,8 +94,9 @@ void add_optimize_command(CLI::App& program, const CommonOptions& common) {
       ->check(CLI::IsMember({"chordal", "rotation-vector", "quaternion"}))
       ->capture_default_str();
   command
-      ->add_option("--init", arguments->initialization,
-                   "poses to start from: as given, chained along a tree, the chordal relaxation, or whichever has the lowest cost")
+      ->add_option(
+          "--init", arguments->initialization,
+          "poses to start from: as given, chained along a tree, the chordal relaxation, or whichever has the lowest cost")
       ->check(CLI::IsMember({"given", "tree", "chordal", "lowest"}))
       ->capture_default_str();
   command->add_option("--robust", arguments->robust, "robust loss on loops (edges between ids that are not consecutive)")
@@ -96,6 +110,8 @@ void add_optimize_command(CLI::App& program, const CommonOptions& common) {
   command->add_option("--max-iterations", arguments->options.max_iterations, "stop after this many")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  command->add_flag("--certify", arguments->certify,
+                    "prove that the optimum is global, or climb out of the local one (chordal objective, no robust loss)");
   command->add_flag("--strict", arguments->strict, "refuse information matrices that are not positive semi-definite");
   command->add_flag("--overwrite", arguments->overwrite, "replace the output file if it exists");
   command->callback([arguments, &common] { run_optimize(*arguments, common); });

@@ -2,7 +2,7 @@
 #include "posegraph/certificate.h"
 
 #include <algorithm>
-#include <limits>
+#include <optional>
 #include <sstream>
 #include <string>
 
@@ -18,7 +18,8 @@ void check_certifiable(const PoseGraph& graph) {
   check(graph);
   for (std::size_t e = 0; e < graph.edges.size(); ++e) {
     if (graph.edges[e].has_scale) continue;
-    throw InputError("certificate: edge " + std::to_string(e) + " (counted from 0) has no scale, so the cost is no quadratic form");
+    throw InputError("certificate: edge " + std::to_string(e) +
+                     " (counted from 0) has no scale, so the cost is no quadratic form");
   }
   const Components components = connected_components(graph);
   if (find_anchors(graph, components).size() > components.count) {
@@ -37,22 +38,15 @@ Certificate certify(const PoseGraph& graph, const CertificateOptions& options) {
   }
   CertificateMatrix matrix(graph, stacked_poses(graph));
   certificate.cost = matrix.cost();
-  const double size = static_cast<double>(matrix.size());
-  const double shift = std::max(options.max_relative_gap * matrix.cost() / size, matrix.rounding());
+  const double shift = matrix.shift_of(options.max_relative_gap);
   certificate.is_global = matrix.is_positive_definite(shift);
-
-  double enough = shift;
-  std::optional<CertificateMatrix::Eigenpair> smallest;
-  constexpr double kStep = 10.0;
-  for (; enough < std::numeric_limits<double>::max() / kStep; enough *= kStep) {
-    if (!matrix.is_positive_definite(enough)) continue;
-    smallest = matrix.smallest_eigenpair(enough);
-    break;
-  }
+  const std::optional<CertificateMatrix::Eigenpair> smallest = matrix.smallest_eigenpair(shift);
   if (smallest) certificate.smallest_eigenvalue = smallest->value;
-  // The factorisation proves -enough; Lanczos, which may be wrong, only sharpens what is not claimed to be proved.
-  const double proved = certificate.is_global ? -shift : -enough;
-  certificate.lower_bound = std::max(0.0, certificate.cost + size * proved);
+  // The factorisation proves the bound; Lanczos says where above it the truth is.
+  if (certificate.is_global || smallest) {
+    const double proved_shift = certificate.is_global ? shift : smallest->proved_shift;
+    certificate.lower_bound = std::max(0.0, certificate.cost - static_cast<double>(matrix.size()) * proved_shift);
+  }
   return certificate;
 }
 

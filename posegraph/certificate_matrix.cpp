@@ -38,7 +38,7 @@ class InverseOperator {
 CertificateMatrix::CertificateMatrix(const PoseGraph& graph, const Eigen::MatrixXd& stacked)
     : dimension_(graph.dimension), components_(connected_components(graph)), form_(quadratic_form(graph)) {
   Eigen::MatrixXd x = stacked;
-  set_best_translations(x);
+  set_best_translations(form_, components_.of_vertex, x, dimension_);
   cost_ = (x * form_).cwiseProduct(x).sum();
   set_null_space(x);
 
@@ -70,44 +70,6 @@ CertificateMatrix::CertificateMatrix(const PoseGraph& graph, const Eigen::Matrix
   }
   reduced_.resize(next, next);
   reduced_.setFromTriplets(entries.begin(), entries.end());
-}
-
-void CertificateMatrix::set_best_translations(Eigen::MatrixXd& stacked) const {
-  const auto num_vertices = static_cast<Eigen::Index>(components_.of_vertex.size());
-  std::vector<bool> is_held(components_.count, false);
-  std::vector<Eigen::Index> row(num_vertices, kHeld);
-  Eigen::Index next = 0;
-  for (Eigen::Index v = 0; v < num_vertices; ++v) {
-    if (is_held[components_.of_vertex[v]]) row[v] = next++;
-    is_held[components_.of_vertex[v]] = true;
-  }
-  if (next == 0) return;
-  // At the best translations the translation columns of X M are zero.
-  Eigen::MatrixXd without = stacked;
-  std::vector<Eigen::Triplet<double>> entries;
-  for (Eigen::Index v = 0; v < num_vertices; ++v) {
-    const Eigen::Index column = column_of(v, dimension_);
-    if (row[v] == kHeld) continue;
-    without.col(column).setZero();
-    for (Eigen::SparseMatrix<double>::InnerIterator it(form_, column); it; ++it) {
-      const Eigen::Index other = it.row() / (dimension_ + 1);
-      if (it.row() % (dimension_ + 1) == 0 && row[other] != kHeld) entries.emplace_back(row[v], row[other], it.value());
-    }
-  }
-  Eigen::SparseMatrix<double> laplacian(next, next);
-  laplacian.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> cholesky(laplacian);
-  // Without weights on its translations a graph leaves them open: then they are as good as any.
-  if (cholesky.info() != Eigen::Success) return;
-  const Eigen::MatrixXd gradient = without * form_;
-  Eigen::MatrixXd right(next, stacked.rows());
-  for (Eigen::Index v = 0; v < num_vertices; ++v) {
-    if (row[v] != kHeld) right.row(row[v]) = -gradient.col(column_of(v, dimension_)).transpose();
-  }
-  const Eigen::MatrixXd best = cholesky.solve(right);
-  for (Eigen::Index v = 0; v < num_vertices; ++v) {
-    if (row[v] != kHeld) stacked.col(column_of(v, dimension_)) = best.row(row[v]).transpose();
-  }
 }
 
 void CertificateMatrix::set_null_space(const Eigen::MatrixXd& stacked) {
@@ -142,12 +104,15 @@ void CertificateMatrix::project(Eigen::VectorXd& y) const {
   for (Eigen::Index row = 0; row < y.size(); ++row) y(row) -= null_space_.row(row).dot(share.col(component(row)));
 }
 
-double CertificateMatrix::rounding() const {
-  constexpr double kFactorisation = 1e-14;
-  return kFactorisation * reduced_.coeffs().cwiseAbs().maxCoeff();
+double CertificateMatrix::shift_of(double max_relative_gap) const {
+  constexpr double kRounding = 1e-14;
+  const double largest = reduced_.nonZeros() > 0 ? reduced_.coeffs().cwiseAbs().maxCoeff() : 0.0;
+  return std::max(max_relative_gap * cost_ / static_cast<double>(num_rotation_rows_), kRounding * largest);
 }
 
 bool CertificateMatrix::is_positive_definite(double shift) {
+  if (factored_shift_ == shift) return is_definite_;
+  factored_shift_ = shift;
   Eigen::SparseMatrix<double> shifted = reduced_;
   for (std::size_t column = 0; column < row_of_column_.size(); ++column) {
     const bool is_rotation = column % static_cast<std::size_t>(dimension_ + 1) != 0;
@@ -156,11 +121,18 @@ bool CertificateMatrix::is_positive_definite(double shift) {
   }
   if (factor_.rows() == 0) factor_.analyzePattern(shifted);
   factor_.factorize(shifted);
-  return factor_.info() == Eigen::Success && factor_.vectorD().minCoeff() > 0.0;
+  is_definite_ = factor_.info() == Eigen::Success && factor_.vectorD().minCoeff() > 0.0;
+  return is_definite_;
 }
 
 std::optional<CertificateMatrix::Eigenpair> CertificateMatrix::smallest_eigenpair(double shift) {
-  if (!is_positive_definite(shift)) return std::nullopt;
+  // Gershgorin: beyond the sum of the largest row no shift is needed.
+  const double largest = static_cast<double>(dimension_ + 1) * reduced_.coeffs().cwiseAbs().sum();
+  constexpr double kStep = 10.0;
+  while (!is_positive_definite(shift)) {
+    if (!(shift <= largest)) return std::nullopt;
+    shift *= kStep;
+  }
   // What is held or a translation has a zero on the right: what comes back for rotations is the Schur complement's inverse.
   const auto apply = [&](Eigen::VectorXd y) {
     project(y);
@@ -184,7 +156,7 @@ std::optional<CertificateMatrix::Eigenpair> CertificateMatrix::smallest_eigenpai
   Spectra::SymEigsSolver<InverseOperator> lanczos(inverse, 1, std::min(kNumLanczosVectors, num_rotation_rows_));
   lanczos.init();
   if (lanczos.compute(Spectra::SortRule::LargestAlge, kMaxRestarts, kTolerance) < 1) return std::nullopt;
-  return Eigenpair{1.0 / lanczos.eigenvalues()(0) - shift, lanczos.eigenvectors().col(0)};
+  return Eigenpair{1.0 / lanczos.eigenvalues()(0) - shift, lanczos.eigenvectors().col(0), shift};
 }
 
 }  // namespace fabloop

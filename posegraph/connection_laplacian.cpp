@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "posegraph/connection_laplacian.h"
 
+#include <Eigen/SparseCholesky>
 #include <vector>
 
 #include "posegraph/information.h"
@@ -11,7 +12,8 @@ namespace {
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
 /// kappa |Y_j - Y_i R_ij|_F^2.
-void add_rotation(Triplets& entries, Eigen::Index i, Eigen::Index j, double kappa, const Eigen::Matrix3d& i_from_j, int dimension) {
+void add_rotation(Triplets& entries, Eigen::Index i, Eigen::Index j, double kappa, const Eigen::Matrix3d& i_from_j,
+                  int dimension) {
   for (int row = 0; row < dimension; ++row) {
     entries.emplace_back(i + row, i + row, kappa);
     entries.emplace_back(j + row, j + row, kappa);
@@ -74,6 +76,46 @@ Eigen::MatrixXd multipliers(const Eigen::SparseMatrix<double>& form, const Eigen
     result.middleRows(v * dimension, dimension) = 0.5 * (block + block.transpose());
   }
   return result;
+}
+
+void set_best_translations(const Eigen::SparseMatrix<double>& form, const std::vector<std::size_t>& component_of_vertex,
+                           Eigen::MatrixXd& stacked, int dimension) {
+  const auto num_vertices = static_cast<Eigen::Index>(component_of_vertex.size());
+  std::vector<bool> is_held(component_of_vertex.size(), false);
+  constexpr Eigen::Index kHeld = -1;
+  std::vector<Eigen::Index> row(component_of_vertex.size(), kHeld);
+  Eigen::Index next = 0;
+  for (Eigen::Index v = 0; v < num_vertices; ++v) {
+    if (is_held[component_of_vertex[static_cast<std::size_t>(v)]]) row[v] = next++;
+    is_held[component_of_vertex[static_cast<std::size_t>(v)]] = true;
+  }
+  if (next == 0) return;
+  // At the best translations the translation columns of X M are zero.
+  Eigen::MatrixXd without = stacked;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Eigen::Index v = 0; v < num_vertices; ++v) {
+    const Eigen::Index column = column_of(static_cast<std::size_t>(v), dimension);
+    if (row[v] == kHeld) continue;
+    without.col(column).setZero();
+    for (Eigen::SparseMatrix<double>::InnerIterator it(form, column); it; ++it) {
+      const Eigen::Index other = it.row() / (dimension + 1);
+      if (it.row() % (dimension + 1) == 0 && row[other] != kHeld) entries.emplace_back(row[v], row[other], it.value());
+    }
+  }
+  Eigen::SparseMatrix<double> laplacian(next, next);
+  laplacian.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> cholesky(laplacian);
+  // Without weights on its translations a graph leaves them open: then they are as good as any.
+  if (cholesky.info() != Eigen::Success) return;
+  const Eigen::MatrixXd gradient = without * form;
+  Eigen::MatrixXd right(next, stacked.rows());
+  for (Eigen::Index v = 0; v < num_vertices; ++v) {
+    if (row[v] != kHeld) right.row(row[v]) = -gradient.col(column_of(static_cast<std::size_t>(v), dimension)).transpose();
+  }
+  const Eigen::MatrixXd best = cholesky.solve(right);
+  for (Eigen::Index v = 0; v < num_vertices; ++v) {
+    if (row[v] != kHeld) stacked.col(column_of(static_cast<std::size_t>(v), dimension)) = best.row(row[v]).transpose();
+  }
 }
 
 }  // namespace fabloop

@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
+#include <cstddef>
+#include <vector>
 
 #include "posegraph/pose_graph.h"
 
@@ -19,8 +21,12 @@ Eigen::SparseMatrix<double> quadratic_form(const PoseGraph& graph);
 /// X of the poses as they stand, d x (d + 1) n.
 Eigen::MatrixXd stacked_poses(const PoseGraph& graph);
 
-/// Lagrange multipliers of the orthogonality of each rotation: Lambda_i = sym(Y_i^T (X M)_i), d x d, one below the other (Rosen et
-/// al., IJRR 2019, eq. 107).
+/// Sets the translations of X to those of lowest cost for its rotations; the first of each component stays.
+void set_best_translations(const Eigen::SparseMatrix<double>& form, const std::vector<std::size_t>& component_of_vertex,
+                           Eigen::MatrixXd& stacked, int dimension);
+
+/// Lagrange multipliers of the orthogonality of each rotation: Lambda_i = sym(Y_i^T (X M)_i), d x d, one below the other (Rosen
+/// et al., IJRR 2019, eq. 107).
 Eigen::MatrixXd multipliers(const Eigen::SparseMatrix<double>& form, const Eigen::MatrixXd& stacked, int dimension);
 
 }  // namespace fabloop

@@ -57,7 +57,10 @@ std::vector<EdgeLoss> edge_losses(const PoseGraph& graph, const OptimizeOptions&
   for (const Edge& edge : graph.edges) {
     const auto& kinds = options.robust_kinds;
     const bool is_robust = std::find(kinds.begin(), kinds.end(), edge.kind) != kinds.end();
-    losses.push_back(is_robust ? EdgeLoss{options.robust_loss, c2[graph.dimension == 2 ? 3 : edge.has_scale ? 6 : 5]} : EdgeLoss{});
+    losses.push_back(is_robust ? EdgeLoss{options.robust_loss, c2[graph.dimension == 2 ? 3
+                                                                  : edge.has_scale     ? 6
+                                                                                       : 5]}
+                               : EdgeLoss{});
   }
   return losses;
 }
@@ -244,8 +247,8 @@ Initialization initialize(PoseGraph& graph, const OptimizeOptions& options) {
 }
 
 /// Lets Ceres move the states.
-void solve(const PoseGraph& graph, const Residuals& residuals, const std::vector<EdgeLoss>& losses, const OptimizeOptions& options,
-           std::vector<State>& states, OptimizeReport& report) {
+void solve(const PoseGraph& graph, const Residuals& residuals, const std::vector<EdgeLoss>& losses,
+           const OptimizeOptions& options, std::vector<State>& states, OptimizeReport& report) {
   Solver solver;
   ceres::Problem problem(unowned());
   build(graph, residuals, report.anchors, losses, states, solver, problem);

@@ -14,11 +14,11 @@
 
 namespace fabloop::residuals {
 
-/// Three errors of an edge in the plane over the blocks (x, y, yaw) of i and j: as SpatialResidual, without what the plane has not.
+/// Three errors of an edge in the plane over the blocks (x, y, yaw) of i and j: as SpatialResidual, without what the plane has
+/// not.
 class PlanarResidual final : public ceres::SizedCostFunction<3, 3, 3> {
  public:
-  PlanarResidual(const Edge& edge, Objective objective)
-      : t_ij_(edge.from_from_to.translation.head<2>()), objective_(objective) {
+  PlanarResidual(const Edge& edge, Objective objective) : t_ij_(edge.from_from_to.translation.head<2>()), objective_(objective) {
     assert(edge.has_scale);
     const Eigen::Quaterniond& q = edge.from_from_to.rotation;
     yaw_ij_ = 2.0 * std::atan2(q.z(), q.w());

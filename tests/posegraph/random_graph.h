@@ -53,7 +53,8 @@ inline PoseGraph random_graph(int dimension, std::size_t num_vertices, std::size
     edge.to = to;
     edge.kind = kind;
     Pose noise = random.pose(sigma, sigma);
-    if (dimension == 2) noise = {rotation_from_vector({0.0, 0.0, sigma * random.number()}), {noise.translation.x(), noise.translation.y(), 0.0}};
+    if (dimension == 2)
+      noise = {rotation_from_vector({0.0, 0.0, sigma * random.number()}), {noise.translation.x(), noise.translation.y(), 0.0}};
     edge.from_from_to = graph.vertices[from].world_from_frame.inverse() * graph.vertices[to].world_from_frame * noise;
     if (sigma > 0.0) edge.information /= sigma * sigma;
     graph.edges.push_back(edge);
@@ -64,6 +65,27 @@ inline PoseGraph random_graph(int dimension, std::size_t num_vertices, std::size
     const std::size_t from = any(pick);
     const std::size_t to = any(pick);
     if (from != to) add(from, to, EdgeKind::Loop);
+  }
+  return graph;
+}
+
+/// A ring of `num_vertices` at one place whose steps say so, up to noise, and poses that turn once about z on the way round: a
+/// local minimum, since every step is off by the same small angle.
+inline PoseGraph wound_ring(int dimension, std::size_t num_vertices, double sigma, std::uint32_t seed) {
+  RandomPoses random(seed);
+  PoseGraph graph;
+  graph.dimension = dimension;
+  for (std::size_t v = 0; v < num_vertices; ++v) {
+    const double yaw = 2.0 * kPi * static_cast<double>(v) / static_cast<double>(num_vertices);
+    graph.vertices.push_back(
+        {static_cast<std::int64_t>(v), {rotation_from_vector({0.0, 0.0, yaw}), Eigen::Vector3d::Zero()}, false});
+    Edge edge;
+    edge.from = v;
+    edge.to = (v + 1) % num_vertices;
+    edge.from_from_to = random.pose(sigma, sigma);
+    if (dimension == 2)
+      edge.from_from_to = Pose{rotation_from_vector({0.0, 0.0, sigma * random.number()}), Eigen::Vector3d::Zero()};
+    graph.edges.push_back(edge);
   }
   return graph;
 }
