@@ -21,6 +21,7 @@ void check_certifiable(const PoseGraph& graph) {
     throw InputError("certificate: edge " + std::to_string(e) +
                      " (counted from 0) has no scale, so the cost is no quadratic form");
   }
+  if (!graph.priors.empty()) throw InputError("certificate: there is none for graphs with priors; remove them");
   const Components components = connected_components(graph);
   if (find_anchors(graph, components).size() > components.count) {
     throw InputError("certificate: two fixed vertices hang together, so more than the edges decides; fix one at most");

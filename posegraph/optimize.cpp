@@ -18,9 +18,9 @@
 #include "frontend/error.h"
 #include "posegraph/connectivity.h"
 #include "posegraph/information.h"
-#include "posegraph/residuals/residuals.h"
+#include "posegraph/residuals/graph_costs.h"
+#include "posegraph/residuals/yaw_manifold.h"
 #include "posegraph/solver_state.h"
-#include "verification/chi_square.h"
 
 namespace fabloop {
 namespace {
@@ -39,31 +39,6 @@ class Loss final : public ceres::LossFunction {
   RobustLoss loss_;
   double c2_;
 };
-
-/// Which loss an edge has, and the square of its scale.
-struct EdgeLoss {
-  RobustLoss loss = RobustLoss::None;
-  double c2 = 1.0;
-};
-
-std::vector<EdgeLoss> edge_losses(const PoseGraph& graph, const OptimizeOptions& options) {
-  // Of 5 and 6 errors in space, 3 in the plane.
-  std::array<double, residuals::kMaxSize + 1> c2{};
-  for (const int degrees_of_freedom : {3, 5, 6}) {
-    c2[degrees_of_freedom] = chi_square_quantile(options.robust_probability, degrees_of_freedom);
-  }
-  std::vector<EdgeLoss> losses;
-  losses.reserve(graph.edges.size());
-  for (const Edge& edge : graph.edges) {
-    const auto& kinds = options.robust_kinds;
-    const bool is_robust = std::find(kinds.begin(), kinds.end(), edge.kind) != kinds.end();
-    losses.push_back(is_robust ? EdgeLoss{options.robust_loss, c2[graph.dimension == 2 ? 3
-                                                                  : edge.has_scale     ? 6
-                                                                                       : 5]}
-                               : EdgeLoss{});
-  }
-  return losses;
-}
 
 /// Progress, cancelling, and when to stop. The cost falls by a factor of about `ratio` less with each iteration, so what is left
 /// to gain is the geometric series that goes on from the last two: one iteration less than waiting for one without gain.
@@ -104,13 +79,25 @@ void check(const PoseGraph& graph, const OptimizeOptions& options) {
   if (!(options.robust_probability > 0.0 && options.robust_probability < 1.0)) {
     throw InputError("robust probability must be between 0 and 1, both excluded");
   }
+  if (options.freedom == Freedom::YawAndPosition && options.initialization != Initialization::AsGiven) {
+    throw InputError("yaw and position only: roll and pitch are those of the poses given, so start from them");
+  }
+}
+
+/// The anchors, less those of components that priors place: what priors leave open stays near where it is.
+std::vector<std::size_t> find_held(const PoseGraph& graph, const Components& components) {
+  std::vector<bool> has_prior(components.count, false);
+  for (const VertexPrior& prior : graph.priors) has_prior[components.of_vertex[prior.vertex]] = true;
+  std::vector<std::size_t> held = find_anchors(graph, components);
+  std::erase_if(held, [&](std::size_t v) { return !graph.vertices[v].fixed && has_prior[components.of_vertex[v]]; });
+  return held;
 }
 
 /// Components, anchors and mended matrices.
 OptimizeReport describe(const PoseGraph& graph, Objective objective) {
   OptimizeReport report;
   const Components components = connected_components(graph);
-  report.anchors = find_anchors(graph, components);
+  report.anchors = find_held(graph, components);
   std::vector<bool> has_scale(components.count, false);
   std::vector<bool> has_edge(components.count, false);
   for (const Edge& edge : graph.edges) {
@@ -125,39 +112,10 @@ OptimizeReport describe(const PoseGraph& graph, Objective objective) {
   return report;
 }
 
-using Residuals = std::vector<std::unique_ptr<ceres::CostFunction>>;
-
-Residuals make_residuals(const PoseGraph& graph, Objective objective) {
-  Residuals residuals;
-  residuals.reserve(graph.edges.size());
-  for (const Edge& edge : graph.edges) residuals.push_back(residuals::make_residual(edge, graph.dimension, objective));
-  return residuals;
-}
-
-std::vector<EdgeResult> evaluate_edges(const PoseGraph& graph, const Residuals& residuals, std::vector<State>& states,
-                                       const std::vector<EdgeLoss>& losses) {
-  std::vector<EdgeResult> results;
-  results.reserve(graph.edges.size());
-  for (std::size_t e = 0; e < graph.edges.size(); ++e) {
-    const Edge& edge = graph.edges[e];
-    std::array<double, residuals::kMaxSize> residual{};
-    residuals[e]->Evaluate(blocks_of(edge, graph.dimension, states).data(), residual.data(), nullptr);
-    double chi2 = 0.0;
-    for (const double r : residual) chi2 += r * r;
-    results.push_back({chi2, robust_weight(losses[e].loss, chi2, losses[e].c2)});
-  }
-  return results;
-}
-
-double sum_cost(const std::vector<EdgeResult>& results, const std::vector<EdgeLoss>& losses) {
-  double cost = 0.0;
-  for (std::size_t e = 0; e < results.size(); ++e) cost += robust_cost(losses[e].loss, results[e].chi2, losses[e].c2);
-  return cost;
-}
-
 /// What Ceres points into; it must outlive the problem.
 struct Solver {
   ceres::EigenQuaternionManifold quaternion;
+  residuals::YawManifold yaw;
   std::vector<std::unique_ptr<Loss>> losses;
 };
 
@@ -169,26 +127,36 @@ ceres::Problem::Options unowned() {
   return options;
 }
 
-void build(const PoseGraph& graph, const Residuals& residuals, const std::vector<std::size_t>& anchors,
-           const std::vector<EdgeLoss>& losses, std::vector<State>& states, Solver& solver, ceres::Problem& problem) {
+void add_vertices(const PoseGraph& graph, const OptimizeReport& report, const OptimizeOptions& options, std::vector<State>& states,
+                  Solver& solver, ceres::Problem& problem) {
+  ceres::Manifold* const rotations =
+      options.freedom == Freedom::YawAndPosition ? static_cast<ceres::Manifold*>(&solver.yaw) : &solver.quaternion;
   for (State& state : states) {
     if (graph.dimension == 2) {
       problem.AddParameterBlock(state.data(), 3);
     } else {
-      problem.AddParameterBlock(state.data(), 4, &solver.quaternion);
+      problem.AddParameterBlock(state.data(), 4, rotations);
       problem.AddParameterBlock(state.data() + 4, 3);
     }
   }
-  for (std::size_t e = 0; e < graph.edges.size(); ++e) {
-    const EdgeLoss loss = losses[e];
-    if (loss.loss != RobustLoss::None) solver.losses.push_back(std::make_unique<Loss>(loss.loss, loss.c2));
-    problem.AddResidualBlock(residuals[e].get(), loss.loss == RobustLoss::None ? nullptr : solver.losses.back().get(),
-                             blocks_of(graph.edges[e], graph.dimension, states));
-  }
-  for (const std::size_t v : anchors) {
+  for (const std::size_t v : report.anchors) {
     problem.SetParameterBlockConstant(states[v].data());
     if (graph.dimension == 3) problem.SetParameterBlockConstant(states[v].data() + 4);
   }
+}
+
+void add_costs(const PoseGraph& graph, const GraphCosts& costs, std::vector<State>& states, Solver& solver,
+               ceres::Problem& problem) {
+  for (std::size_t e = 0; e < graph.edges.size(); ++e) {
+    const EdgeLoss loss = costs.losses()[e];
+    if (loss.loss != RobustLoss::None) solver.losses.push_back(std::make_unique<Loss>(loss.loss, loss.c2));
+    problem.AddResidualBlock(costs.edge_residuals()[e].get(), loss.loss == RobustLoss::None ? nullptr : solver.losses.back().get(),
+                             blocks_of(graph.edges[e], graph.dimension, states));
+  }
+  for (std::size_t p = 0; p < graph.priors.size(); ++p) {
+    problem.AddResidualBlock(costs.prior_residuals()[p].get(), nullptr, costs.blocks_of_prior(graph.priors[p], states));
+  }
+  for (double* const block : costs.world_blocks()) problem.SetParameterBlockConstant(block);
 }
 
 ceres::Solver::Options solver_options(const OptimizeOptions& options, Initialization start) {
@@ -216,42 +184,41 @@ Termination termination_of(const ceres::Solver::Summary& summary, bool cancelled
   return Termination::Failed;
 }
 
+/// Puts the graph at one start.
+void initialize(PoseGraph& graph, Initialization initialization) {
+  if (initialization == Initialization::SpanningTree) chain_along_edges(graph);
+  if (initialization == Initialization::Chordal) initialize_chordal(graph);
+  if (initialization != Initialization::AsGiven) move_to_priors(graph);
+}
+
 /// Puts the graph at its start and says which one that is.
-Initialization initialize(PoseGraph& graph, const OptimizeOptions& options) {
-  switch (options.initialization) {
-    case Initialization::AsGiven:
-      break;
-    case Initialization::SpanningTree:
-      chain_along_edges(graph);
-      break;
-    case Initialization::Chordal:
-      initialize_chordal(graph);
-      break;
-    case Initialization::LowestCost: {
-      Initialization best = Initialization::AsGiven;
-      double lowest_cost = evaluate_cost(graph, options);
-      const PoseGraph given = graph;
-      for (const Initialization candidate : {Initialization::SpanningTree, Initialization::Chordal}) {
-        PoseGraph start = given;
-        candidate == Initialization::Chordal ? initialize_chordal(start) : chain_along_edges(start);
-        const double cost = evaluate_cost(start, options);
-        if (cost >= lowest_cost) continue;
-        best = candidate;
-        lowest_cost = cost;
-        graph.vertices = std::move(start.vertices);
-      }
-      return best;
-    }
+Initialization choose_start(PoseGraph& graph, const OptimizeOptions& options) {
+  if (options.initialization != Initialization::LowestCost) {
+    initialize(graph, options.initialization);
+    return options.initialization;
   }
-  return options.initialization;
+  Initialization best = Initialization::AsGiven;
+  double lowest_cost = evaluate_cost(graph, options);
+  const PoseGraph given = graph;
+  for (const Initialization candidate : {Initialization::SpanningTree, Initialization::Chordal}) {
+    PoseGraph start = given;
+    initialize(start, candidate);
+    const double cost = evaluate_cost(start, options);
+    if (cost >= lowest_cost) continue;
+    best = candidate;
+    lowest_cost = cost;
+    graph.vertices = std::move(start.vertices);
+  }
+  return best;
 }
 
 /// Lets Ceres move the states.
-void solve(const PoseGraph& graph, const Residuals& residuals, const std::vector<EdgeLoss>& losses,
-           const OptimizeOptions& options, std::vector<State>& states, OptimizeReport& report) {
+void solve(const PoseGraph& graph, const GraphCosts& costs, const OptimizeOptions& options, std::vector<State>& states,
+           OptimizeReport& report) {
   Solver solver;
   ceres::Problem problem(unowned());
-  build(graph, residuals, report.anchors, losses, states, solver, problem);
+  add_vertices(graph, report, options, states, solver, problem);
+  add_costs(graph, costs, states, solver, problem);
   ceres::Solver::Options ceres_options = solver_options(options, report.start);
   IterationControl control(options);
   ceres_options.callbacks.push_back(&control);
@@ -266,17 +233,21 @@ void solve(const PoseGraph& graph, const Residuals& residuals, const std::vector
 OptimizeReport optimize(PoseGraph& graph, const OptimizeOptions& options) {
   check(graph, options);
   OptimizeReport report = describe(graph, options.objective);
-  const Residuals residuals = make_residuals(graph, options.objective);
-  const std::vector<EdgeLoss> losses = edge_losses(graph, options);
+  const GraphCosts costs(graph, options);
   std::vector<State> states = read_states(graph);
-  report.edges = evaluate_edges(graph, residuals, states, losses);
-  report.initial_cost = report.final_cost = sum_cost(report.edges, losses);
-  if (graph.edges.empty() || report.anchors.size() == graph.vertices.size()) return report;
+  const auto judge = [&] {
+    report.edges = costs.evaluate_edges(states);
+    report.priors = costs.evaluate_priors(states);
+    return costs.sum(report.edges, report.priors);
+  };
+  report.initial_cost = report.final_cost = judge();
+  const bool says_nothing = graph.edges.empty() && graph.priors.empty();
+  if (says_nothing || report.anchors.size() == graph.vertices.size()) return report;
 
   const std::vector<Vertex> given = graph.vertices;
-  report.start = initialize(graph, options);
+  report.start = choose_start(graph, options);
   states = read_states(graph);
-  solve(graph, residuals, losses, options, states, report);
+  solve(graph, costs, options, states, report);
   if (report.termination == Termination::Failed) {
     graph.vertices = given;
     return report;
@@ -289,19 +260,21 @@ OptimizeReport optimize(PoseGraph& graph, const OptimizeOptions& options) {
     }
   }
   states = read_states(graph);
-  report.edges = evaluate_edges(graph, residuals, states, losses);
-  report.final_cost = sum_cost(report.edges, losses);
+  report.final_cost = judge();
   return report;
 }
 
 std::vector<EdgeResult> evaluate_edges(const PoseGraph& graph, const OptimizeOptions& options) {
   check(graph, options);
   std::vector<State> states = read_states(graph);
-  return evaluate_edges(graph, make_residuals(graph, options.objective), states, edge_losses(graph, options));
+  return GraphCosts(graph, options).evaluate_edges(states);
 }
 
 double evaluate_cost(const PoseGraph& graph, const OptimizeOptions& options) {
-  return sum_cost(evaluate_edges(graph, options), edge_losses(graph, options));
+  check(graph, options);
+  std::vector<State> states = read_states(graph);
+  const GraphCosts costs(graph, options);
+  return costs.sum(costs.evaluate_edges(states), costs.evaluate_priors(states));
 }
 
 }  // namespace fabloop

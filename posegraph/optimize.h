@@ -26,6 +26,12 @@ enum class Objective {
   Quaternion,
 };
 
+/// What of a pose may move.
+enum class Freedom {
+  Full,
+  YawAndPosition,  ///< Four degrees of freedom: roll and pitch are known from gravity and stay. In 2-D the same as Full.
+};
+
 /// How optimize() ended.
 enum class Termination {
   Converged,      ///< The cost no longer falls.
@@ -42,6 +48,8 @@ struct OptimizeOptions {
   Objective objective = Objective::Chordal;
   /// AsGiven for a map that grows; LowestCost or Chordal for a graph whose poses may be far off.
   Initialization initialization = Initialization::AsGiven;
+  /// YawAndPosition where an inertial host has levelled the poses given, with the world's z axis up.
+  Freedom freedom = Freedom::Full;
   /// None where all edges are trusted. Huber against heavy tails, Cauchy or Geman-McClure when some loops may be false.
   RobustLoss robust_loss = RobustLoss::None;
   /// The scale of the loss: the probability that a right edge's chi-square stays inside the parabola. Lower distrusts more.
@@ -67,15 +75,17 @@ struct EdgeResult {
 
 /// What optimize() did.
 struct OptimizeReport {
-  /// Sum over edges of rho(chi2) at the given poses, without the factor 1/2 that some solvers print.
+  /// Sum over edges of rho(chi2), and over priors of chi2, at the given poses, without the factor 1/2 that some solvers print.
   double initial_cost = 0.0;
   double final_cost = 0.0;  ///< As `initial_cost`, at the returned poses.
   /// Where it started: never LowestCost, but what that chose.
   Initialization start = Initialization::AsGiven;
   int iterations = 0;
   Termination termination = Termination::NothingToDo;
-  std::vector<EdgeResult> edges;  ///< One per edge, in the graph's order.
-  /// Positions of the vertices that were held: those `fixed`, and the first of each connected component without one.
+  std::vector<EdgeResult> edges;   ///< One per edge, in the graph's order.
+  std::vector<EdgeResult> priors;  ///< One per prior, in the graph's order.
+  /// Positions of the vertices that were held: those `fixed`, and the first of each connected component without one and without
+  /// priors.
   std::vector<std::size_t> anchors;
   std::size_t num_components = 0;  ///< Parts of the graph with no edge between them; each keeps its own place.
   /// Components in which no edge knows a distance: their size is arbitrary and stays near what it was.
