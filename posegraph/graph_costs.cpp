@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "posegraph/residuals/graph_costs.h"
+
 #include <algorithm>
 #include <array>
 
-#include "posegraph/residuals/graph_costs.h"
 #include "posegraph/residuals/residuals.h"
 #include "verification/chi_square.h"
 

@@ -127,8 +127,8 @@ ceres::Problem::Options unowned() {
   return options;
 }
 
-void add_vertices(const PoseGraph& graph, const OptimizeReport& report, const OptimizeOptions& options, std::vector<State>& states,
-                  Solver& solver, ceres::Problem& problem) {
+void add_vertices(const PoseGraph& graph, const OptimizeReport& report, const OptimizeOptions& options,
+                  std::vector<State>& states, Solver& solver, ceres::Problem& problem) {
   ceres::Manifold* const rotations =
       options.freedom == Freedom::YawAndPosition ? static_cast<ceres::Manifold*>(&solver.yaw) : &solver.quaternion;
   for (State& state : states) {
@@ -150,7 +150,8 @@ void add_costs(const PoseGraph& graph, const GraphCosts& costs, std::vector<Stat
   for (std::size_t e = 0; e < graph.edges.size(); ++e) {
     const EdgeLoss loss = costs.losses()[e];
     if (loss.loss != RobustLoss::None) solver.losses.push_back(std::make_unique<Loss>(loss.loss, loss.c2));
-    problem.AddResidualBlock(costs.edge_residuals()[e].get(), loss.loss == RobustLoss::None ? nullptr : solver.losses.back().get(),
+    problem.AddResidualBlock(costs.edge_residuals()[e].get(),
+                             loss.loss == RobustLoss::None ? nullptr : solver.losses.back().get(),
                              blocks_of(graph.edges[e], graph.dimension, states));
   }
   for (std::size_t p = 0; p < graph.priors.size(); ++p) {

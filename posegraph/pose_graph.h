@@ -67,8 +67,9 @@ struct PoseGraph {
   std::vector<VertexPrior> priors = {};
 };
 
-/// Throws InputError naming the vertex, edge or prior that is broken: an edge whose ends are not two vertices of the graph, numbers
-/// that are not finite, an edge without scale that has no direction either or is planar, a prior of no vertex, a planar attitude.
+/// Throws InputError naming the vertex, edge or prior that is broken: an edge whose ends are not two vertices of the graph,
+/// numbers that are not finite, an edge without scale that has no direction either or is planar, a prior of no vertex, a planar
+/// attitude.
 void check(const PoseGraph& graph);
 
 }  // namespace fabloop

@@ -26,8 +26,8 @@ std::vector<PriorsOfComponent> sort_priors(const PoseGraph& graph, const Compone
   for (std::size_t p = 0; p < graph.priors.size(); ++p) {
     PriorsOfComponent& priors = result[components.of_vertex[graph.priors[p].vertex]];
     // An altitude alone does not say where.
-    const bool is_position = graph.priors[p].kind == PriorKind::Position &&
-                             graph.priors[p].information(0, 0) > 0.0 && graph.priors[p].information(1, 1) > 0.0;
+    const bool is_position = graph.priors[p].kind == PriorKind::Position && graph.priors[p].information(0, 0) > 0.0 &&
+                             graph.priors[p].information(1, 1) > 0.0;
     if (graph.priors[p].kind == PriorKind::Pose) priors.poses.push_back(p);
     if (is_position) priors.positions.push_back(p);
   }

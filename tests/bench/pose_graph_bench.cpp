@@ -12,9 +12,10 @@ namespace fabloop {
 namespace {
 
 /// The published graphs, each from the chordal relaxation to the certified optimum. OMP_THREAD_LIMIT=1 makes it one thread.
-constexpr const char* kGraphs[] = {"tinyGrid3D", "smallGrid3D", "sphere2500", "torus3D", "parking-garage", "cubicle",
-                                   "sphere_bignoise_vertex3", "manhattan", "intel", "MIT", "CSAIL", "kitti_00", "kitti_02",
-                                   "kitti_05", "ring", "ringCity"};
+constexpr const char* kGraphs[] = {
+    "tinyGrid3D", "smallGrid3D", "sphere2500", "torus3D", "parking-garage", "cubicle",  "sphere_bignoise_vertex3",
+    "manhattan",  "intel",       "MIT",        "CSAIL",   "kitti_00",       "kitti_02", "kitti_05",
+    "ring",       "ringCity"};
 
 PoseGraph read(benchmark::State& state) {
   const std::string name = kGraphs[state.range(0)];

@@ -37,18 +37,18 @@ TEST_P(BenchmarkGraphs, ReachTheirCertifiedOptimum) {
   EXPECT_LT(certificate.relative_gap(), 1e-5);
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    All, BenchmarkGraphs,
-    testing::Values(Published{"tinyGrid3D", 18.519, 3e-5}, Published{"smallGrid3D", 1025.398}, Published{"sphere2500", 1687.006},
-                    Published{"torus3D", 24227.04},
-                    // Published as 1.262485 and 717.134; the certificates prove that no poses cost 1.262522, and that 717.126 is
-                    // the minimum.
-                    Published{"parking-garage", 1.262524}, Published{"cubicle", 717.126},
-                    Published{"sphere_bignoise_vertex3", 2961756.5}, Published{"manhattan", 6431.39},
-                    Published{"intel", 52.348}, Published{"MIT", 61.154}, Published{"CSAIL", 31.704, 2e-5},
-                    Published{"kitti_00", 125.694}, Published{"kitti_02", 108.351}, Published{"kitti_05", 276.514},
-                    // No other program's figures.
-                    Published{"ring", 11.257522}, Published{"ringCity", 271.77593}));
+INSTANTIATE_TEST_SUITE_P(All, BenchmarkGraphs,
+                         testing::Values(Published{"tinyGrid3D", 18.519, 3e-5}, Published{"smallGrid3D", 1025.398},
+                                         Published{"sphere2500", 1687.006}, Published{"torus3D", 24227.04},
+                                         // Published as 1.262485 and 717.134; the certificates prove that no poses cost 1.262522,
+                                         // and that 717.126 is the minimum.
+                                         Published{"parking-garage", 1.262524}, Published{"cubicle", 717.126},
+                                         Published{"sphere_bignoise_vertex3", 2961756.5}, Published{"manhattan", 6431.39},
+                                         Published{"intel", 52.348}, Published{"MIT", 61.154}, Published{"CSAIL", 31.704, 2e-5},
+                                         Published{"kitti_00", 125.694}, Published{"kitti_02", 108.351},
+                                         Published{"kitti_05", 276.514},
+                                         // No other program's figures.
+                                         Published{"ring", 11.257522}, Published{"ringCity", 271.77593}));
 
 }  // namespace
 }  // namespace fabloop
