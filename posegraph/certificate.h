@@ -35,7 +35,8 @@ struct Certificate {
 /// inertia of one sparse LDL^T factorisation of S + eta I, eta = max_relative_gap * cost / (d n); its value comes from Lanczos
 /// iterations on the inverse. Source: Rosen et al., IJRR 2019, theorem 7 and eq. 107-109; factorising the form with explicit
 /// translations, whose Schur complement Q is, keeps it sparse.
-/// Throws InputError for a graph that check() refuses, edges without scale, priors, or a component with more than one fixed vertex.
+/// Throws InputError for a graph that check() refuses, edges without scale, priors, or a component with more than one fixed
+/// vertex.
 Certificate certify(const PoseGraph& graph, const CertificateOptions& options = {});
 
 }  // namespace fabloop

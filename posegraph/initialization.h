@@ -20,8 +20,8 @@ enum class Initialization {
 /// Source: Martinec & Pajdla, CVPR 2007; Carlone et al., ICRA 2015, section III-B. Throws what check() throws.
 void initialize_chordal(PoseGraph& graph);
 
-/// Moves each component without a fixed vertex, as one rigid body, to where its priors want it: onto its first pose prior, or with
-/// least squares onto its position priors (turned too where there are three or more; Umeyama 1991).
+/// Moves each component without a fixed vertex, as one rigid body, to where its priors want it: onto its first pose prior, or
+/// with least squares onto its position priors (turned too where there are three or more; Umeyama 1991).
 void move_to_priors(PoseGraph& graph);
 
 }  // namespace fabloop
