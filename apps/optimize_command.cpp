@@ -12,12 +12,17 @@
 #include "frontend/error.h"
 #include "posegraph/g2o_io.h"
 #include "posegraph/optimize.h"
+#include "posegraph/staircase.h"
 
 namespace fabloop::apps {
 namespace {
 
 const std::map<std::string, Objective> kObjectives = {
     {"chordal", Objective::Chordal}, {"rotation-vector", Objective::RotationVector}, {"quaternion", Objective::Quaternion}};
+const std::map<std::string, Initialization> kInitializations = {{"given", Initialization::AsGiven},
+                                                                {"tree", Initialization::SpanningTree},
+                                                                {"chordal", Initialization::Chordal},
+                                                                {"lowest", Initialization::LowestCost}};
 const std::map<std::string, RobustLoss> kRobustLosses = {{"none", RobustLoss::None},
                                                          {"huber", RobustLoss::Huber},
                                                          {"cauchy", RobustLoss::Cauchy},
@@ -27,9 +32,11 @@ struct OptimizeArguments {
   std::string in;
   std::string out;
   std::string objective = "chordal";
+  std::string initialization = "lowest";
   std::string robust = "none";
   bool overwrite = false;
   bool strict = false;
+  bool certify = false;
   OptimizeOptions options;
 };
 
@@ -43,23 +50,36 @@ void run_optimize(OptimizeArguments& arguments, const CommonOptions& common) {
   PoseGraph graph = read_g2o(arguments.in, g2o_options);
 
   arguments.options.objective = kObjectives.at(arguments.objective);
+  arguments.options.initialization = kInitializations.at(arguments.initialization);
   arguments.options.robust_loss = kRobustLosses.at(arguments.robust);
   arguments.options.progress = make_progress(common);
   const auto start = std::chrono::steady_clock::now();
-  const OptimizeReport report = optimize(graph, arguments.options);
+  GlobalReport solution;
+  if (arguments.certify) {
+    GlobalOptions global_options;
+    global_options.optimize = arguments.options;
+    solution = optimize_globally(graph, global_options);
+  } else {
+    solution.optimize = optimize(graph, arguments.options);
+  }
+  const OptimizeReport& report = solution.optimize;
   const double time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (report.termination == Termination::Failed) {
-    throw InputError(arguments.in +
-                     ": the solver found no usable step from these poses; remove the vertex lines to start from the edges");
+    throw InputError(arguments.in + ": the solver found no usable step from these poses; give another --init");
   }
   write_g2o(arguments.out, graph);
   std::cout << std::setprecision(10) << "vertices    " << graph.vertices.size() << " (" << graph.dimension << "-D)\n"
             << "edges       " << graph.edges.size() << '\n'
             << "components  " << report.num_components << '\n'
             << "objective   " << arguments.objective << ", robust loss " << arguments.robust << '\n'
+            << "start       " << in_words(report.start) << '\n'
             << "cost        " << report.initial_cost << " -> " << report.final_cost << '\n'
-            << "iterations  " << report.iterations << ", " << in_words(report.termination) << '\n'
-            << "time        " << std::fixed << std::setprecision(2) << time_s << " s\n"
+            << "iterations  " << report.iterations << ", " << in_words(report.termination) << '\n';
+  if (arguments.certify) {
+    std::cout << "certificate " << solution.certificate.brief() << '\n'
+              << "staircase   " << solution.num_extra_dimensions << " dimensions added\n";
+  }
+  std::cout << "time        " << std::fixed << std::setprecision(2) << time_s << " s\n"
             << "wrote       " << arguments.out << '\n';
 }
 
@@ -73,6 +93,12 @@ void add_optimize_command(CLI::App& program, const CommonOptions& common) {
   command->add_option("--objective", arguments->objective, "how an edge's error is defined")
       ->check(CLI::IsMember({"chordal", "rotation-vector", "quaternion"}))
       ->capture_default_str();
+  command
+      ->add_option(
+          "--init", arguments->initialization,
+          "poses to start from: as given, chained along a tree, the chordal relaxation, or whichever has the lowest cost")
+      ->check(CLI::IsMember({"given", "tree", "chordal", "lowest"}))
+      ->capture_default_str();
   command->add_option("--robust", arguments->robust, "robust loss on loops (edges between ids that are not consecutive)")
       ->check(CLI::IsMember({"none", "huber", "cauchy", "geman-mcclure"}))
       ->capture_default_str();
@@ -84,6 +110,8 @@ void add_optimize_command(CLI::App& program, const CommonOptions& common) {
   command->add_option("--max-iterations", arguments->options.max_iterations, "stop after this many")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  command->add_flag("--certify", arguments->certify,
+                    "prove that the optimum is global, or climb out of the local one (chordal objective, no robust loss)");
   command->add_flag("--strict", arguments->strict, "refuse information matrices that are not positive semi-definite");
   command->add_flag("--overwrite", arguments->overwrite, "replace the output file if it exists");
   command->callback([arguments, &common] { run_optimize(*arguments, common); });

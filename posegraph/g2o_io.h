@@ -19,11 +19,15 @@ struct G2oOptions {
 };
 
 /// Reads `VERTEX_SE3:QUAT`, `EDGE_SE3:QUAT` or `VERTEX_SE2`, `EDGE_SE2` (not both), `FIX`, `#` comments and our own
-/// `EDGE_SE3_DIRECTION:QUAT` (columns as EDGE_SE3:QUAT; the translation is a unit direction, without scale). Edges between
-/// consecutive ids are odometry, the others loops, unless a comment `# kind: odometry|neighbour|loop` precedes the edge.
-/// Without vertex lines, vertices are the edges' ids in ascending order, placed by chaining edges. Throws InputError naming
-/// file and line for anything else: a wrong number of columns, a number that is not finite, an unknown tag or vertex, a
-/// vertex twice, an edge to itself, a quaternion that is not of unit length, a negative information on the diagonal.
+/// `EDGE_SE3_DIRECTION:QUAT` (columns as EDGE_SE3:QUAT; the translation is a unit direction, without scale). Priors:
+/// `EDGE_SE3_PRIOR` (with the id of a `PARAMS_SE3OFFSET` that is the identity, as g2o writes it, or without), `EDGE_PRIOR_SE2`,
+/// `EDGE_PRIOR_SE2_XY`, and our own `EDGE_SE3_POSITION_PRIOR id x y z` and `EDGE_SE3_ATTITUDE_PRIOR id qx qy qz qw`, each with
+/// 6 information entries. TORO's `VERTEX2`, `EDGE2` (information xx xy yy tt xt yt), `VERTEX3`, `EDGE3` (x y z roll pitch yaw)
+/// are read too. Edges between consecutive ids are odometry, the others loops, unless a comment `# kind:
+/// odometry|neighbour|loop` precedes the edge. Without vertex lines, vertices are the edges' ids in ascending order, placed by
+/// chaining edges. Throws InputError naming file and line for anything else: a wrong number of columns, a number that is not
+/// finite, an unknown tag or vertex, a vertex twice, an edge to itself, a quaternion that is not of unit length, a negative
+/// information on the diagonal.
 PoseGraph read_g2o(const std::filesystem::path& path, const G2oOptions& options = {});
 
 /// Writes what read_g2o() reads, with as many digits as it takes to get the same bits back (2-D angles: the last bit apart).

@@ -12,45 +12,18 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "frontend/error.h"
 #include "posegraph/connectivity.h"
 #include "posegraph/information.h"
-#include "posegraph/residuals.h"
-#include "verification/chi_square.h"
+#include "posegraph/residuals/graph_costs.h"
+#include "posegraph/residuals/yaw_manifold.h"
+#include "posegraph/solver_state.h"
 
 namespace fabloop {
 namespace {
-
-/// A vertex as Ceres moves it: quaternion (x y z w) and translation, or (x, y, yaw) in the first three.
-using State = std::array<double, 7>;
-
-std::vector<State> read_states(const PoseGraph& graph) {
-  std::vector<State> states;
-  states.reserve(graph.vertices.size());
-  for (const Vertex& vertex : graph.vertices) {
-    const auto& [q, t] = vertex.world_from_frame;
-    if (graph.dimension == 2) {
-      states.push_back({t.x(), t.y(), 2.0 * std::atan2(q.z(), q.w())});
-    } else {
-      states.push_back({q.x(), q.y(), q.z(), q.w(), t.x(), t.y(), t.z()});
-    }
-  }
-  return states;
-}
-
-Pose pose_from_state(const State& s, int dimension) {
-  if (dimension == 2) return {Eigen::Quaterniond(std::cos(0.5 * s[2]), 0.0, 0.0, std::sin(0.5 * s[2])), {s[0], s[1], 0.0}};
-  return {Eigen::Quaterniond(s[3], s[0], s[1], s[2]).normalized(), {s[4], s[5], s[6]}};
-}
-
-/// The parameter blocks of an edge's residual.
-std::vector<double*> blocks_of(const Edge& edge, int dimension, std::vector<State>& states) {
-  double* const i = states[edge.from].data();
-  double* const j = states[edge.to].data();
-  if (dimension == 2) return {i, j};
-  return {i, i + 4, j, j + 4};
-}
 
 /// A robust loss in Ceres' clothes.
 class Loss final : public ceres::LossFunction {
@@ -67,37 +40,38 @@ class Loss final : public ceres::LossFunction {
   double c2_;
 };
 
-/// Which loss an edge has, and the square of its scale.
-struct EdgeLoss {
-  RobustLoss loss = RobustLoss::None;
-  double c2 = 1.0;
-};
-
-EdgeLoss loss_of(const Edge& edge, int dimension, const OptimizeOptions& options) {
-  const auto& kinds = options.robust_kinds;
-  if (std::find(kinds.begin(), kinds.end(), edge.kind) == kinds.end()) return {};
-  const int degrees_of_freedom = dimension == 2 ? 3 : edge.has_scale ? 6 : 5;
-  return {options.robust_loss, chi_square_quantile(options.robust_probability, degrees_of_freedom)};
-}
-
-class ReportProgress final : public ceres::IterationCallback {
+/// Progress, cancelling, and when to stop. The cost falls by a factor of about `ratio` less with each iteration, so what is left
+/// to gain is the geometric series that goes on from the last two: one iteration less than waiting for one without gain.
+class IterationControl final : public ceres::IterationCallback {
  public:
-  explicit ReportProgress(const OptimizeOptions& options) : options_(options) {}
+  explicit IterationControl(const OptimizeOptions& options) : options_(options) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
     if (options_.progress) {
       options_.progress("optimize", static_cast<std::size_t>(summary.iteration),
                         static_cast<std::size_t>(options_.max_iterations));
     }
-    if (!options_.cancelled || !options_.cancelled()) return ceres::SOLVER_CONTINUE;
-    cancelled = true;
+    cancelled = options_.cancelled && options_.cancelled();
     // "Successfully" makes Ceres hand back the best poses so far.
-    return ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+    return cancelled || has_converged(summary) ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
   }
 
   bool cancelled = false;
 
  private:
+  bool has_converged(const ceres::IterationSummary& summary) {
+    if (!summary.step_is_successful) {
+      last_change_ = 0.0;
+      return false;
+    }
+    const double change = std::exchange(last_change_, summary.cost_change);
+    // A slow series may hide a slower one.
+    constexpr double kMaxRatio = 0.1;
+    const double ratio = change > 0.0 ? summary.cost_change / change : 1.0;
+    return ratio <= kMaxRatio && summary.cost_change * ratio / (1.0 - ratio) <= options_.cost_tolerance * summary.cost;
+  }
+
   const OptimizeOptions& options_;
+  double last_change_ = 0.0;
 };
 
 void check(const PoseGraph& graph, const OptimizeOptions& options) {
@@ -105,13 +79,25 @@ void check(const PoseGraph& graph, const OptimizeOptions& options) {
   if (!(options.robust_probability > 0.0 && options.robust_probability < 1.0)) {
     throw InputError("robust probability must be between 0 and 1, both excluded");
   }
+  if (options.freedom == Freedom::YawAndPosition && options.initialization != Initialization::AsGiven) {
+    throw InputError("yaw and position only: roll and pitch are those of the poses given, so start from them");
+  }
+}
+
+/// The anchors, less those of components that priors place: what priors leave open stays near where it is.
+std::vector<std::size_t> find_held(const PoseGraph& graph, const Components& components) {
+  std::vector<bool> has_prior(components.count, false);
+  for (const VertexPrior& prior : graph.priors) has_prior[components.of_vertex[prior.vertex]] = true;
+  std::vector<std::size_t> held = find_anchors(graph, components);
+  std::erase_if(held, [&](std::size_t v) { return !graph.vertices[v].fixed && has_prior[components.of_vertex[v]]; });
+  return held;
 }
 
 /// Components, anchors and mended matrices.
 OptimizeReport describe(const PoseGraph& graph, Objective objective) {
   OptimizeReport report;
   const Components components = connected_components(graph);
-  report.anchors = find_anchors(graph, components);
+  report.anchors = find_held(graph, components);
   std::vector<bool> has_scale(components.count, false);
   std::vector<bool> has_edge(components.count, false);
   for (const Edge& edge : graph.edges) {
@@ -126,43 +112,10 @@ OptimizeReport describe(const PoseGraph& graph, Objective objective) {
   return report;
 }
 
-using Residuals = std::vector<std::unique_ptr<ceres::CostFunction>>;
-
-Residuals make_residuals(const PoseGraph& graph, Objective objective) {
-  Residuals residuals;
-  residuals.reserve(graph.edges.size());
-  for (const Edge& edge : graph.edges) residuals.push_back(residuals::make_residual(edge, graph.dimension, objective));
-  return residuals;
-}
-
-std::vector<EdgeResult> evaluate_edges(const PoseGraph& graph, const Residuals& residuals, std::vector<State>& states,
-                                       const OptimizeOptions& options) {
-  std::vector<EdgeResult> results;
-  results.reserve(graph.edges.size());
-  for (std::size_t e = 0; e < graph.edges.size(); ++e) {
-    const Edge& edge = graph.edges[e];
-    std::array<double, residuals::ChordalResidual::kSize> residual{};
-    residuals[e]->Evaluate(blocks_of(edge, graph.dimension, states).data(), residual.data(), nullptr);
-    double chi2 = 0.0;
-    for (const double r : residual) chi2 += r * r;
-    const EdgeLoss loss = loss_of(edge, graph.dimension, options);
-    results.push_back({chi2, robust_weight(loss.loss, chi2, loss.c2)});
-  }
-  return results;
-}
-
-double sum_cost(const PoseGraph& graph, const std::vector<EdgeResult>& results, const OptimizeOptions& options) {
-  double cost = 0.0;
-  for (std::size_t e = 0; e < results.size(); ++e) {
-    const EdgeLoss loss = loss_of(graph.edges[e], graph.dimension, options);
-    cost += robust_cost(loss.loss, results[e].chi2, loss.c2);
-  }
-  return cost;
-}
-
 /// What Ceres points into; it must outlive the problem.
 struct Solver {
   ceres::EigenQuaternionManifold quaternion;
+  residuals::YawManifold yaw;
   std::vector<std::unique_ptr<Loss>> losses;
 };
 
@@ -174,29 +127,40 @@ ceres::Problem::Options unowned() {
   return options;
 }
 
-void build(const PoseGraph& graph, const Residuals& residuals, const std::vector<std::size_t>& anchors,
-           const OptimizeOptions& options, std::vector<State>& states, Solver& solver, ceres::Problem& problem) {
+void add_vertices(const PoseGraph& graph, const OptimizeReport& report, const OptimizeOptions& options,
+                  std::vector<State>& states, Solver& solver, ceres::Problem& problem) {
+  ceres::Manifold* const rotations =
+      options.freedom == Freedom::YawAndPosition ? static_cast<ceres::Manifold*>(&solver.yaw) : &solver.quaternion;
   for (State& state : states) {
     if (graph.dimension == 2) {
       problem.AddParameterBlock(state.data(), 3);
     } else {
-      problem.AddParameterBlock(state.data(), 4, &solver.quaternion);
+      problem.AddParameterBlock(state.data(), 4, rotations);
       problem.AddParameterBlock(state.data() + 4, 3);
     }
   }
-  for (std::size_t e = 0; e < graph.edges.size(); ++e) {
-    const EdgeLoss loss = loss_of(graph.edges[e], graph.dimension, options);
-    if (loss.loss != RobustLoss::None) solver.losses.push_back(std::make_unique<Loss>(loss.loss, loss.c2));
-    problem.AddResidualBlock(residuals[e].get(), loss.loss == RobustLoss::None ? nullptr : solver.losses.back().get(),
-                             blocks_of(graph.edges[e], graph.dimension, states));
-  }
-  for (const std::size_t v : anchors) {
+  for (const std::size_t v : report.anchors) {
     problem.SetParameterBlockConstant(states[v].data());
     if (graph.dimension == 3) problem.SetParameterBlockConstant(states[v].data() + 4);
   }
 }
 
-ceres::Solver::Options solver_options(const OptimizeOptions& options) {
+void add_costs(const PoseGraph& graph, const GraphCosts& costs, std::vector<State>& states, Solver& solver,
+               ceres::Problem& problem) {
+  for (std::size_t e = 0; e < graph.edges.size(); ++e) {
+    const EdgeLoss loss = costs.losses()[e];
+    if (loss.loss != RobustLoss::None) solver.losses.push_back(std::make_unique<Loss>(loss.loss, loss.c2));
+    problem.AddResidualBlock(costs.edge_residuals()[e].get(),
+                             loss.loss == RobustLoss::None ? nullptr : solver.losses.back().get(),
+                             blocks_of(graph.edges[e], graph.dimension, states));
+  }
+  for (std::size_t p = 0; p < graph.priors.size(); ++p) {
+    problem.AddResidualBlock(costs.prior_residuals()[p].get(), nullptr, costs.blocks_of_prior(graph.priors[p], states));
+  }
+  for (double* const block : costs.world_blocks()) problem.SetParameterBlockConstant(block);
+}
+
+ceres::Solver::Options solver_options(const OptimizeOptions& options, Initialization start) {
   ceres::Solver::Options result;
   result.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
   result.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
@@ -207,14 +171,62 @@ ceres::Solver::Options solver_options(const OptimizeOptions& options) {
   result.gradient_tolerance = 0.0;
   result.parameter_tolerance = 1e-14;
   result.logging_type = ceres::SILENT;
+  // Near the optimum damping only holds up the bends that are as long as the map: take Gauss-Newton steps first.
+  constexpr double kHardlyDamped = 1e10;
+  if (start == Initialization::Chordal) result.initial_trust_region_radius = kHardlyDamped;
   return result;
 }
 
 Termination termination_of(const ceres::Solver::Summary& summary, bool cancelled) {
   if (cancelled) return Termination::Cancelled;
-  if (summary.termination_type == ceres::CONVERGENCE) return Termination::Converged;
+  const bool stopped = summary.termination_type == ceres::USER_SUCCESS;
+  if (stopped || summary.termination_type == ceres::CONVERGENCE) return Termination::Converged;
   if (summary.termination_type == ceres::NO_CONVERGENCE) return Termination::MaxIterations;
   return Termination::Failed;
+}
+
+/// Puts the graph at one start.
+void initialize(PoseGraph& graph, Initialization initialization) {
+  if (initialization == Initialization::SpanningTree) chain_along_edges(graph);
+  if (initialization == Initialization::Chordal) initialize_chordal(graph);
+  if (initialization != Initialization::AsGiven) move_to_priors(graph);
+}
+
+/// Puts the graph at its start and says which one that is.
+Initialization choose_start(PoseGraph& graph, const OptimizeOptions& options) {
+  if (options.initialization != Initialization::LowestCost) {
+    initialize(graph, options.initialization);
+    return options.initialization;
+  }
+  Initialization best = Initialization::AsGiven;
+  double lowest_cost = evaluate_cost(graph, options);
+  const PoseGraph given = graph;
+  for (const Initialization candidate : {Initialization::SpanningTree, Initialization::Chordal}) {
+    PoseGraph start = given;
+    initialize(start, candidate);
+    const double cost = evaluate_cost(start, options);
+    if (cost >= lowest_cost) continue;
+    best = candidate;
+    lowest_cost = cost;
+    graph.vertices = std::move(start.vertices);
+  }
+  return best;
+}
+
+/// Lets Ceres move the states.
+void solve(const PoseGraph& graph, const GraphCosts& costs, const OptimizeOptions& options, std::vector<State>& states,
+           OptimizeReport& report) {
+  Solver solver;
+  ceres::Problem problem(unowned());
+  add_vertices(graph, report, options, states, solver, problem);
+  add_costs(graph, costs, states, solver, problem);
+  ceres::Solver::Options ceres_options = solver_options(options, report.start);
+  IterationControl control(options);
+  ceres_options.callbacks.push_back(&control);
+  ceres::Solver::Summary summary;
+  ceres::Solve(ceres_options, &problem, &summary);
+  report.termination = termination_of(summary, control.cancelled);
+  report.iterations = summary.num_successful_steps + summary.num_unsuccessful_steps - 1;
 }
 
 }  // namespace
@@ -222,24 +234,25 @@ Termination termination_of(const ceres::Solver::Summary& summary, bool cancelled
 OptimizeReport optimize(PoseGraph& graph, const OptimizeOptions& options) {
   check(graph, options);
   OptimizeReport report = describe(graph, options.objective);
+  const GraphCosts costs(graph, options);
   std::vector<State> states = read_states(graph);
-  const Residuals residuals = make_residuals(graph, options.objective);
-  report.edges = evaluate_edges(graph, residuals, states, options);
-  report.initial_cost = report.final_cost = sum_cost(graph, report.edges, options);
-  if (graph.edges.empty() || report.anchors.size() == graph.vertices.size()) return report;
+  const auto judge = [&] {
+    report.edges = costs.evaluate_edges(states);
+    report.priors = costs.evaluate_priors(states);
+    return costs.sum(report.edges, report.priors);
+  };
+  report.initial_cost = report.final_cost = judge();
+  const bool says_nothing = graph.edges.empty() && graph.priors.empty();
+  if (says_nothing || report.anchors.size() == graph.vertices.size()) return report;
 
-  Solver solver;
-  ceres::Problem problem(unowned());
-  build(graph, residuals, report.anchors, options, states, solver, problem);
-  ceres::Solver::Options ceres_options = solver_options(options);
-  ReportProgress callback(options);
-  ceres_options.callbacks.push_back(&callback);
-  ceres::Solver::Summary summary;
-  ceres::Solve(ceres_options, &problem, &summary);
-
-  report.termination = termination_of(summary, callback.cancelled);
-  report.iterations = std::max(0, static_cast<int>(summary.iterations.size()) - 1);
-  if (report.termination == Termination::Failed) return report;
+  const std::vector<Vertex> given = graph.vertices;
+  report.start = choose_start(graph, options);
+  states = read_states(graph);
+  solve(graph, costs, options, states, report);
+  if (report.termination == Termination::Failed) {
+    graph.vertices = given;
+    return report;
+  }
   for (std::size_t v = 0, next_anchor = 0; v < states.size(); ++v) {
     if (next_anchor < report.anchors.size() && report.anchors[next_anchor] == v) {
       ++next_anchor;
@@ -248,15 +261,21 @@ OptimizeReport optimize(PoseGraph& graph, const OptimizeOptions& options) {
     }
   }
   states = read_states(graph);
-  report.edges = evaluate_edges(graph, residuals, states, options);
-  report.final_cost = sum_cost(graph, report.edges, options);
+  report.final_cost = judge();
   return report;
+}
+
+std::vector<EdgeResult> evaluate_edges(const PoseGraph& graph, const OptimizeOptions& options) {
+  check(graph, options);
+  std::vector<State> states = read_states(graph);
+  return GraphCosts(graph, options).evaluate_edges(states);
 }
 
 double evaluate_cost(const PoseGraph& graph, const OptimizeOptions& options) {
   check(graph, options);
   std::vector<State> states = read_states(graph);
-  return sum_cost(graph, evaluate_edges(graph, make_residuals(graph, options.objective), states, options), options);
+  const GraphCosts costs(graph, options);
+  return costs.sum(costs.evaluate_edges(states), costs.evaluate_priors(states));
 }
 
 }  // namespace fabloop

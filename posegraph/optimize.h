@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "frontend/progress.h"
+#include "posegraph/initialization.h"
 #include "posegraph/pose_graph.h"
 #include "posegraph/robust_loss.h"
 
@@ -25,6 +26,12 @@ enum class Objective {
   Quaternion,
 };
 
+/// What of a pose may move.
+enum class Freedom {
+  Full,
+  YawAndPosition,  ///< Four degrees of freedom: roll and pitch are known from gravity and stay. In 2-D the same as Full.
+};
+
 /// How optimize() ended.
 enum class Termination {
   Converged,      ///< The cost no longer falls.
@@ -39,6 +46,10 @@ struct OptimizeOptions {
   /// Chordal compares with certified optima and converges from the furthest; take RotationVector when the information
   /// matrices are real covariances with directions in them.
   Objective objective = Objective::Chordal;
+  /// AsGiven for a map that grows; LowestCost or Chordal for a graph whose poses may be far off.
+  Initialization initialization = Initialization::AsGiven;
+  /// YawAndPosition where an inertial host has levelled the poses given, with the world's z axis up.
+  Freedom freedom = Freedom::Full;
   /// None where all edges are trusted. Huber against heavy tails, Cauchy or Geman-McClure when some loops may be false.
   RobustLoss robust_loss = RobustLoss::None;
   /// The scale of the loss: the probability that a right edge's chi-square stays inside the parabola. Lower distrusts more.
@@ -47,8 +58,9 @@ struct OptimizeOptions {
   std::vector<EdgeKind> robust_kinds = {EdgeKind::Loop};
   /// More for graphs that start far from their optimum; fewer to bound the time.
   int max_iterations = 200;
-  /// Stop when an iteration lowers the cost by less than this part of it. Larger for a quick preview.
-  double cost_tolerance = 1e-10;
+  /// Stop when what the cost will still fall by, as the last iterations show, is less than this part of it. Larger for a quick
+  /// preview.
+  double cost_tolerance = 1e-8;
   /// Told after each iteration: done of max_iterations.
   Progress progress = {};
   /// Asked after each iteration; true stops with the best poses so far.
@@ -63,12 +75,17 @@ struct EdgeResult {
 
 /// What optimize() did.
 struct OptimizeReport {
-  double initial_cost = 0.0;  ///< Sum over edges of rho(chi2), without the factor 1/2 that some solvers print.
-  double final_cost = 0.0;    ///< As `initial_cost`, at the returned poses.
+  /// Sum over edges of rho(chi2), and over priors of chi2, at the given poses, without the factor 1/2 that some solvers print.
+  double initial_cost = 0.0;
+  double final_cost = 0.0;  ///< As `initial_cost`, at the returned poses.
+  /// Where it started: never LowestCost, but what that chose.
+  Initialization start = Initialization::AsGiven;
   int iterations = 0;
   Termination termination = Termination::NothingToDo;
-  std::vector<EdgeResult> edges;  ///< One per edge, in the graph's order.
-  /// Positions of the vertices that were held: those `fixed`, and the first of each connected component without one.
+  std::vector<EdgeResult> edges;   ///< One per edge, in the graph's order.
+  std::vector<EdgeResult> priors;  ///< One per prior, in the graph's order.
+  /// Positions of the vertices that were held: those `fixed`, and the first of each connected component without one and without
+  /// priors.
   std::vector<std::size_t> anchors;
   std::size_t num_components = 0;  ///< Parts of the graph with no edge between them; each keeps its own place.
   /// Components in which no edge knows a distance: their size is arbitrary and stays near what it was.
@@ -86,10 +103,16 @@ struct OptimizeReport {
 /// edge whose ends are not two vertices of the graph, for numbers that are not finite, and for a planar edge without scale.
 OptimizeReport optimize(PoseGraph& graph, const OptimizeOptions& options = {});
 
+/// Error and robust weight of every edge of the graph as it stands, in its order.
+std::vector<EdgeResult> evaluate_edges(const PoseGraph& graph, const OptimizeOptions& options = {});
+
 /// The cost of the graph as it stands: optimize()'s `initial_cost`, without moving anything.
 double evaluate_cost(const PoseGraph& graph, const OptimizeOptions& options = {});
 
 /// "converged", "stopped at the maximum number of iterations", ...
 std::string_view in_words(Termination termination);
+
+/// "poses as given", "chordal relaxation", ...
+std::string_view in_words(Initialization initialization);
 
 }  // namespace fabloop

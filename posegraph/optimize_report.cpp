@@ -24,6 +24,20 @@ std::string_view in_words(Termination termination) {
   return "";
 }
 
+std::string_view in_words(Initialization initialization) {
+  switch (initialization) {
+    case Initialization::AsGiven:
+      return "poses as given";
+    case Initialization::SpanningTree:
+      return "chained along a spanning tree";
+    case Initialization::Chordal:
+      return "chordal relaxation";
+    case Initialization::LowestCost:
+      return "the start of lowest cost";
+  }
+  return "";
+}
+
 std::string OptimizeReport::brief() const {
   std::ostringstream text;
   text.precision(10);
@@ -35,6 +49,7 @@ std::string OptimizeReport::full() const {
   constexpr std::size_t kNumWorst = 5;
   std::ostringstream text;
   text << brief() << '\n';
+  text << "start: " << in_words(start) << '\n';
   text << "edges: " << edges.size() << ", connected components: " << num_components << ", vertices held: " << anchors.size()
        << '\n';
   if (num_components > 1) text << "components have no edge between them, so each keeps its own place\n";

@@ -26,6 +26,15 @@ void check(const PoseGraph& graph) {
     if (!edge.has_scale && graph.dimension == 2) fail("has no scale, which planar graphs do not support");
     if (!edge.has_scale && edge.from_from_to.translation.norm() == 0.0) fail("has neither scale nor a direction");
   }
+  for (std::size_t p = 0; p < graph.priors.size(); ++p) {
+    const VertexPrior& prior = graph.priors[p];
+    const auto fail = [&](const std::string& what) {
+      throw InputError("pose graph: prior " + std::to_string(p) + " (counted from 0) " + what);
+    };
+    if (prior.vertex >= graph.vertices.size()) fail("refers to a vertex that is not there");
+    if (!is_finite(prior.world_from_frame) || !prior.information.allFinite()) fail("has numbers that are not finite");
+    if (prior.kind == PriorKind::Attitude && graph.dimension == 2) fail("is an attitude, which planar graphs do not have");
+  }
 }
 
 }  // namespace fabloop

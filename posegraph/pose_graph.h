@@ -40,6 +40,23 @@ struct Edge {
   bool has_scale = true;  ///< False: rotation and direction of translation are known, the distance is not.
 };
 
+/// What is known about one vertex from outside.
+enum class PriorKind {
+  Pose,      ///< All of it.
+  Position,  ///< From GPS; with information along z only, an altitude.
+  Attitude,  ///< Which way is up, from an accelerometer: roll and pitch, not yaw. The world's z axis points up.
+};
+
+/// A measured pose of one vertex in the world, or the part of it that `kind` names.
+struct VertexPrior {
+  std::size_t vertex = 0;  ///< Position in `PoseGraph::vertices`, not an id.
+  PriorKind kind = PriorKind::Pose;
+  Pose world_from_frame;
+  /// Inverse covariance, translation [1/m^2] before rotation [1/rad^2]: of a pose in the frame of the vertex as for edges; of a
+  /// position (the first three) along the axes of the world; of an attitude (the last three) about the axes of the vertex.
+  Matrix6d information = Matrix6d::Identity();
+};
+
 /// Where all views are, and what says so. Plain data: optimize() bends it, read_g2o() and write_g2o() keep it.
 struct PoseGraph {
   std::vector<Vertex> vertices;
@@ -47,10 +64,12 @@ struct PoseGraph {
   /// 3, or 2 for planar graphs: then z, roll and pitch are zero and only entries (x, y, yaw) = (0, 1, 5) of the
   /// information are used.
   int dimension = 3;
+  std::vector<VertexPrior> priors = {};
 };
 
-/// Throws InputError naming the vertex or edge that is broken: an edge whose ends are not two vertices of the graph, numbers
-/// that are not finite, an edge without scale that has no direction either or is planar.
+/// Throws InputError naming the vertex, edge or prior that is broken: an edge whose ends are not two vertices of the graph,
+/// numbers that are not finite, an edge without scale that has no direction either or is planar, a prior of no vertex, a planar
+/// attitude.
 void check(const PoseGraph& graph);
 
 }  // namespace fabloop

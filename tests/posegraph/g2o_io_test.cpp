@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "frontend/error.h"
+#include "posegraph/optimize.h"
+#include "tests/posegraph/random_graph.h"
 #include "tests/posegraph/scratch_folder.h"
 #include "tests/posegraph/synthetic_graph.h"
 
@@ -159,6 +161,12 @@ TEST(G2o, EveryBrokenLineIsNamed) {
       {"EDGE_SE3:QUAT 0 1 1 2 3 0 0 0 2" + information, "not of unit length"},
       {"EDGE_SE3:QUAT 0 1 1 2 x 0 0 0 1" + information, "'x' is not a finite number"},
       {"EDGE_SE3:QUAT 0 1 1 2 3 0 0 0 1 -1" + information.substr(2), "negative entry on its diagonal"},
+      {"EDGE_SE3_PRIOR 0 4 1 2 3 0 0 0 1" + information, "there is no PARAMS_SE3OFFSET 4"},
+      {"EDGE_SE3_PRIOR 9 1 2 3 0 0 0 1" + information, "there is no vertex 9"},
+      {"PARAMS_SE3OFFSET 0 1 0 0 0 0 0 1", "not the identity"},
+      {"EDGE_SE3_POSITION_PRIOR 0 1 2 3 1 0 0", "8 columns, not 11"},
+      {"EDGE_SE3_ATTITUDE_PRIOR 0 0 0 0 2 1 0 0 1 0 1", "not of unit length"},
+      {"EDGE_PRIOR_SE2_XY 0 1 2 1 0 1", "2-D and 3-D"},
       {"EDGE_SE3_DIRECTION:QUAT 0 1 0 0 0 0 0 0 1" + information, "length zero"},
   };
   for (const BrokenLine& broken : lines) {
@@ -167,6 +175,86 @@ TEST(G2o, EveryBrokenLineIsNamed) {
     EXPECT_THAT(message, HasSubstr("broken.g2o:3: ")) << broken.line;
     EXPECT_THAT(message, HasSubstr(broken.what));
   }
+}
+
+TEST(G2o, PriorsRoundTripToTheSameBits) {
+  const ScratchFolder folder;
+  for (const int dimension : {2, 3}) {
+    PoseGraph graph = test::random_graph(dimension, 6, 2, 0.1, 1);
+    test::RandomPoses random(2);
+    for (const PriorKind kind : {PriorKind::Pose, PriorKind::Position, PriorKind::Attitude}) {
+      if (dimension == 2 && kind == PriorKind::Attitude) continue;
+      VertexPrior prior;
+      prior.vertex = 3;
+      prior.kind = kind;
+      prior.information.setZero();
+      const int first = kind == PriorKind::Attitude ? 3 : 0;
+      const int size = kind == PriorKind::Pose ? 6 : 3;
+      prior.information.block(first, first, size, size) = random.information().topLeftCorner(size, size);
+      if (kind != PriorKind::Attitude) prior.world_from_frame.translation.head(dimension) = random.vector().head(dimension);
+      if (kind != PriorKind::Position && dimension == 3) prior.world_from_frame.rotation = random.pose(1.0).rotation;
+      if (dimension == 2) {
+        prior.information.middleRows<3>(2).setZero();
+        prior.information.middleCols<3>(2).setZero();
+      }
+      graph.priors.push_back(prior);
+    }
+    write_g2o(folder.path() / "a.g2o", graph);
+    const PoseGraph read = read_g2o(folder.path() / "a.g2o");
+    ASSERT_EQ(read.priors.size(), graph.priors.size());
+    for (std::size_t p = 0; p < graph.priors.size(); ++p) {
+      EXPECT_EQ(read.priors[p].vertex, 3u);
+      EXPECT_EQ(read.priors[p].kind, graph.priors[p].kind);
+      EXPECT_EQ(read.priors[p].information, graph.priors[p].information);
+      EXPECT_EQ(read.priors[p].world_from_frame.translation, graph.priors[p].world_from_frame.translation);
+      EXPECT_EQ(read.priors[p].world_from_frame.rotation.coeffs(), graph.priors[p].world_from_frame.rotation.coeffs());
+    }
+  }
+}
+
+TEST(G2o, ReadsPriorsWithAndWithoutAnOffset) {
+  const ScratchFolder folder;
+  const std::string prior = " 1 2 3 0 0 0 1" + std::string(kUnitInformation) + "\n";
+  const auto path = folder.write(
+      "a.g2o", "PARAMS_SE3OFFSET 5 0 0 0 0 0 0 1\n" + kTwoVertices + "EDGE_SE3_PRIOR 1 5" + prior + "EDGE_SE3_PRIOR 0" + prior);
+  const PoseGraph graph = read_g2o(path);
+  ASSERT_EQ(graph.priors.size(), 2u);
+  EXPECT_EQ(graph.priors[0].vertex, 1u);
+  EXPECT_EQ(graph.priors[1].vertex, 0u);
+  EXPECT_EQ(graph.priors[1].world_from_frame.translation, Eigen::Vector3d(1, 2, 3));
+}
+
+TEST(G2o, ReadsToro) {
+  const ScratchFolder folder;
+  const PoseGraph planar =
+      read_g2o(folder.write("a.graph", "VERTEX2 0 0 0 0\nVERTEX2 1 1 2 0.5\nEDGE2 0 1 1 2 0.5 10 1 20 30 2 3\n"));
+  EXPECT_EQ(planar.dimension, 2);
+  const Matrix6d& information = planar.edges[0].information;
+  EXPECT_EQ(information(0, 0), 10);
+  EXPECT_EQ(information(0, 1), 1);
+  EXPECT_EQ(information(1, 1), 20);
+  EXPECT_EQ(information(5, 5), 30);
+  EXPECT_EQ(information(0, 5), 2);
+  EXPECT_EQ(information(5, 1), 3);
+  const PoseGraph spatial =
+      read_g2o(folder.write("b.graph", "VERTEX3 0 0 0 0 0 0 0\nVERTEX3 1 1 2 3 0.1 0.2 0.3\nEDGE3 0 1 1 2 3 0.1 0.2 0.3" +
+                                           std::string(kUnitInformation) + "\n"));
+  EXPECT_EQ(spatial.dimension, 3);
+  // Turned about x first, then y, then z, all of the fixed frame.
+  const Eigen::Quaterniond expected =
+      test::rotation_from_vector({0, 0, 0.3}) * test::rotation_from_vector({0, 0.2, 0}) * test::rotation_from_vector({0.1, 0, 0});
+  EXPECT_LT(rotation_angle(spatial.edges[0].from_from_to.rotation.conjugate() * expected), 1e-15);
+  EXPECT_LT(evaluate_cost(spatial), 1e-20);
+}
+
+TEST(G2o, EdgesWithoutInformationSayNothing) {
+  const ScratchFolder folder;
+  std::string zero;
+  for (int k = 0; k < 21; ++k) zero += " 0";
+  const auto path = folder.write("a.g2o", kTwoVertices + edge("0 1") + "EDGE_SE3:QUAT 1 0 9 9 9 0 0 0 1" + zero + "\n");
+  PoseGraph graph = read_g2o(path);
+  EXPECT_LT(optimize(graph, {.initialization = Initialization::LowestCost}).final_cost, 1e-20);
+  EXPECT_LT((graph.vertices[1].world_from_frame.translation - Eigen::Vector3d(1, 2, 3)).norm(), 1e-6);
 }
 
 TEST(G2o, FilesThatAreNoGraphsAreRefused) {

@@ -41,7 +41,7 @@ class Structure : public testing::Test {
 };
 
 TEST_F(Structure, ASoundTreePasses) {
-  write("posegraph/residuals.h", std::string(kHead) + "#pragma once\n#include <ceres/ceres.h>\n");
+  write("posegraph/residuals/residuals.h", std::string(kHead) + "#pragma once\n#include <ceres/ceres.h>\n");
   write("verification/solver.cpp", std::string(kHead) + "#include <opengv/types.hpp>\n#include \"frontend/sound.h\"\n");
   write("apps/main.cpp", std::string(kHead) + "#include <iostream>\n#include \"data/sound.h\"\n#include \"posegraph/sound.h\"\n");
   EXPECT_THAT(structure_violations(root_), IsEmpty());
@@ -74,7 +74,7 @@ TEST_F(Structure, OpenGvAndCeresOutOfPlaceAreFound) {
               ElementsAre("verification/a.h:3: OpenGV belongs in verification's .cpp files"));
   fs::remove(root_ / "verification/a.h");
   EXPECT_THAT(violations_with("posegraph/a.h", "#pragma once\n#include <ceres/ceres.h>\n"),
-              ElementsAre("posegraph/a.h:3: Ceres belongs in posegraph's .cpp files and residuals.h"));
+              ElementsAre("posegraph/a.h:3: Ceres belongs in posegraph's .cpp files and residuals/"));
 }
 
 TEST_F(Structure, MissingHeadsAndPragmasAreFound) {
