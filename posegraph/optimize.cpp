@@ -254,9 +254,13 @@ OptimizeReport optimize(PoseGraph& graph, const OptimizeOptions& options) {
 }
 
 double evaluate_cost(const PoseGraph& graph, const OptimizeOptions& options) {
+  return sum_cost(graph, evaluate_edges(graph, options), options);
+}
+
+std::vector<EdgeResult> evaluate_edges(const PoseGraph& graph, const OptimizeOptions& options) {
   check(graph, options);
   std::vector<State> states = read_states(graph);
-  return sum_cost(graph, evaluate_edges(graph, make_residuals(graph, options.objective), states, options), options);
+  return evaluate_edges(graph, make_residuals(graph, options.objective), states, options);
 }
 
 }  // namespace fabloop
