@@ -5,10 +5,12 @@
 #include <iostream>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "apps/command.h"
 #include "apps/progress_bar.h"
+#include "apps/robust_arguments.h"
 #include "frontend/error.h"
 #include "posegraph/g2o_io.h"
 #include "posegraph/optimize.h"
@@ -18,16 +20,12 @@ namespace {
 
 const std::map<std::string, Objective> kObjectives = {
     {"chordal", Objective::Chordal}, {"rotation-vector", Objective::RotationVector}, {"quaternion", Objective::Quaternion}};
-const std::map<std::string, RobustLoss> kRobustLosses = {{"none", RobustLoss::None},
-                                                         {"huber", RobustLoss::Huber},
-                                                         {"cauchy", RobustLoss::Cauchy},
-                                                         {"geman-mcclure", RobustLoss::GemanMcClure}};
 
 struct OptimizeArguments {
   std::string in;
   std::string out;
   std::string objective = "chordal";
-  std::string robust = "none";
+  RobustArguments robust;
   bool overwrite = false;
   bool strict = false;
   OptimizeOptions options;
@@ -43,10 +41,11 @@ void run_optimize(OptimizeArguments& arguments, const CommonOptions& common) {
   PoseGraph graph = read_g2o(arguments.in, g2o_options);
 
   arguments.options.objective = kObjectives.at(arguments.objective);
-  arguments.options.robust_loss = kRobustLosses.at(arguments.robust);
   arguments.options.progress = make_progress(common);
   const auto start = std::chrono::steady_clock::now();
-  const OptimizeReport report = optimize(graph, arguments.options);
+  std::optional<RobustReport> robust;
+  if (asks_for_back_end(arguments.robust)) robust = robust_optimize(graph, robust_options(arguments.robust, arguments.options));
+  const OptimizeReport report = robust ? robust->last_solve : optimize(graph, arguments.options);
   const double time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (report.termination == Termination::Failed) {
     throw InputError(arguments.in +
@@ -56,11 +55,17 @@ void run_optimize(OptimizeArguments& arguments, const CommonOptions& common) {
   std::cout << std::setprecision(10) << "vertices    " << graph.vertices.size() << " (" << graph.dimension << "-D)\n"
             << "edges       " << graph.edges.size() << '\n'
             << "components  " << report.num_components << '\n'
-            << "objective   " << arguments.objective << ", robust loss " << arguments.robust << '\n'
+            << "objective   " << arguments.objective << ", back end " << arguments.robust.back_end << '\n'
             << "cost        " << report.initial_cost << " -> " << report.final_cost << '\n'
             << "iterations  " << report.iterations << ", " << in_words(report.termination) << '\n'
             << "time        " << std::fixed << std::setprecision(2) << time_s << " s\n"
             << "wrote       " << arguments.out << '\n';
+  if (!robust) return;
+  std::cout << "loops       " << robust->num_kept << " kept, " << robust->num_rejected << " rejected\n";
+  if (!robust->is_proven) std::cout << "            the search for the largest consistent set was ended early\n";
+  if (arguments.robust.decisions.empty()) return;
+  write_decisions(arguments.robust.decisions, graph, *robust);
+  std::cout << "wrote       " << arguments.robust.decisions << '\n';
 }
 
 }  // namespace
@@ -73,14 +78,7 @@ void add_optimize_command(CLI::App& program, const CommonOptions& common) {
   command->add_option("--objective", arguments->objective, "how an edge's error is defined")
       ->check(CLI::IsMember({"chordal", "rotation-vector", "quaternion"}))
       ->capture_default_str();
-  command->add_option("--robust", arguments->robust, "robust loss on loops (edges between ids that are not consecutive)")
-      ->check(CLI::IsMember({"none", "huber", "cauchy", "geman-mcclure"}))
-      ->capture_default_str();
-  command
-      ->add_option("--robust-probability", arguments->options.robust_probability,
-                   "chi-square probability at which the robust loss begins; lower distrusts more")
-      ->check(CLI::Range(0.01, 0.999999))
-      ->capture_default_str();
+  add_robust_arguments(command, arguments->robust);
   command->add_option("--max-iterations", arguments->options.max_iterations, "stop after this many")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

@@ -4,9 +4,9 @@
 namespace fabloop {
 namespace {
 
-ConsistentLoops search(const BitGraph& consistent, std::size_t max_branches, std::vector<std::size_t> known) {
+ConsistentLoops search(const BitGraph& consistent, std::size_t max_work, std::vector<std::size_t> known) {
   MaxCliqueOptions options;
-  options.max_branches = max_branches;
+  options.max_work = max_work;
   options.known = std::move(known);
   Clique clique = max_clique(consistent, options);
   return {std::move(clique.vertices), clique.is_proven};
@@ -20,10 +20,10 @@ void join_consistent(const LoopConsistency& loops, std::size_t added, BitGraph& 
 
 }  // namespace
 
-ConsistentLoops most_consistent_loops(const LoopConsistency& loops, std::size_t max_branches) {
+ConsistentLoops most_consistent_loops(const LoopConsistency& loops, std::size_t max_work) {
   BitGraph consistent(loops.size());
   for (std::size_t k = 0; k < loops.size(); ++k) join_consistent(loops, k, consistent);
-  return search(consistent, max_branches, {});
+  return search(consistent, max_work, {});
 }
 
 const ConsistentLoops& IncrementalConsistency::update(const LoopConsistency& loops) {
@@ -42,7 +42,7 @@ const ConsistentLoops& IncrementalConsistency::update(const LoopConsistency& loo
         if (consistent_.are_joined(neighbours[a], neighbours[b])) around.join(a, b);
       }
     }
-    ConsistentLoops found = search(around, max_branches_, {});
+    ConsistentLoops found = search(around, max_work_, {});
     best_.is_proven = best_.is_proven && found.is_proven;
     if (found.loops.size() + 1 <= best_.loops.size()) continue;
     best_.loops.clear();

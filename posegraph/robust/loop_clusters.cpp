@@ -51,7 +51,7 @@ LoopTrial choose_trial(const PoseGraph& graph, const LoopConsistency& loops, con
     const auto num_agreeing = static_cast<std::size_t>(std::count_if(asked.begin(), asked.end(), [&](std::size_t k) {
       const Edge& edge = graph.edges[loops.edges()[k]];
       const auto path = paths.find(edge.from, edge.to);
-      return !path || loops.agrees(k, path->from_from_to, path->covariance);
+      return !path || loops.agrees(k, *path);
     }));
     if (2 * num_agreeing <= asked.size()) continue;
     for (const std::size_t k : cluster) {

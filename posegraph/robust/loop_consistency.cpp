@@ -10,18 +10,12 @@
 #include <utility>
 
 #include "verification/chi_square.h"
+#include "verification/uncertain_pose.h"
 
 namespace fabloop {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// The rotation vector of a rotation, at most pi long.
-Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& rotation) {
-  const double length = rotation.vec().norm();
-  if (length == 0.0) return Eigen::Vector3d::Zero();
-  return rotation_angle(rotation) * (rotation.w() < 0.0 ? -1.0 : 1.0) / length * rotation.vec();
-}
 
 }  // namespace
 
@@ -64,7 +58,8 @@ LoopConsistency::Loop LoopConsistency::make_loop(Edge edge) const {
 }
 
 double LoopConsistency::mahalanobis(const Matrix6d& covariance, const Pose& error, bool has_scale) const {
-  const Eigen::Vector3d rotation = rotation_vector(error.rotation);
+  const Eigen::Matrix<double, 6, 1> e = pose_error({}, error);
+  const Eigen::Vector3d rotation = e.tail<3>();
   if (dimension_ == 2) {
     const double yaw = rotation.z();
     if (!has_scale) return yaw * yaw / covariance(5, 5);
@@ -73,12 +68,10 @@ double LoopConsistency::mahalanobis(const Matrix6d& covariance, const Pose& erro
     for (int row = 0; row < 3; ++row) {
       for (int column = 0; column < 3; ++column) planar(row, column) = covariance(kRows[row], kRows[column]);
     }
-    const Eigen::Vector3d e(error.translation.x(), error.translation.y(), yaw);
-    return e.dot(planar.llt().solve(e));
+    const Eigen::Vector3d planar_error(e(0), e(1), yaw);
+    return planar_error.dot(planar.llt().solve(planar_error));
   }
   if (!has_scale) return rotation.dot(covariance.bottomRightCorner<3, 3>().llt().solve(rotation));
-  Eigen::Matrix<double, 6, 1> e;
-  e << error.translation, rotation;
   return e.dot(covariance.llt().solve(e));
 }
 
@@ -124,17 +117,11 @@ double LoopConsistency::chi2_of_odometry(std::size_t a) const {
   return mahalanobis(covariance, error, loop.has_scale);
 }
 
-bool LoopConsistency::agrees(std::size_t a, const Pose& from_from_to, const Matrix6d& covariance) const {
+bool LoopConsistency::agrees(std::size_t a, const UncertainPose& from_from_to) const {
   const Loop& loop = loops_[a];
-  Pose other = from_from_to;
-  Matrix6d other_covariance = covariance;
-  if (loop.is_turned) {
-    const Matrix6d turned = adjoint(other);
-    other_covariance = turned * covariance * turned.transpose();
-    other = other.inverse();
-  }
-  const Pose error = loop.from_from_to.inverse() * other;
-  return mahalanobis(loop.covariance + other_covariance, error, loop.has_scale) <=
+  const UncertainPose other = loop.is_turned ? inverse(from_from_to) : from_from_to;
+  const Pose error = loop.from_from_to.inverse() * other.pose;
+  return mahalanobis(loop.covariance + other.covariance, error, loop.has_scale) <=
          (loop.has_scale ? threshold_ : threshold_of_rotation_);
 }
 

@@ -6,6 +6,7 @@
 
 #include "posegraph/pose_graph.h"
 #include "posegraph/robust/odometry_tree.h"
+#include "verification/uncertain_pose.h"
 
 namespace fabloop {
 
@@ -38,9 +39,8 @@ class LoopConsistency {
   /// Squared Mahalanobis distance of a loop from what odometry alone says.
   double chi2_of_odometry(std::size_t a) const;
 
-  /// Whether a loop agrees with another measurement of the pose between its ends, from_from_to with its covariance in the frame
-  /// of `to`, with `from` and `to` those of the graph's edge.
-  bool agrees(std::size_t a, const Pose& from_from_to, const Matrix6d& covariance) const;
+  /// Whether a loop agrees with another measurement of the pose between its ends, those of the graph's edge.
+  bool agrees(std::size_t a, const UncertainPose& from_from_to) const;
 
   /// The loops nearest along the odometry, at most `count`: those with fewest steps between the starts and between the ends, and
   /// no more than `max_steps` of both. Nearest first.

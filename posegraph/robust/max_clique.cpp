@@ -63,7 +63,7 @@ BitGraph reordered(const BitGraph& graph, const std::vector<std::size_t>& order)
 
 /// Grown from each of the first vertices: always the candidate that leaves most candidates.
 std::vector<std::size_t> greedy_clique(const BitGraph& graph) {
-  constexpr std::size_t kNumStarts = 8;
+  constexpr std::size_t kNumStarts = 3;
   std::vector<std::size_t> best;
   Bits candidates(graph.num_words());
   Bits left(graph.num_words());
@@ -97,8 +97,8 @@ std::vector<std::size_t> greedy_clique(const BitGraph& graph) {
 /// The recursion of the search. Vertices are those of the reordered graph.
 class Search {
  public:
-  Search(const BitGraph& graph, std::size_t max_branches, std::vector<std::size_t> best)
-      : graph_(graph), max_branches_(max_branches), best_(std::move(best)) {}
+  Search(const BitGraph& graph, std::size_t max_work, std::vector<std::size_t> best)
+      : graph_(graph), max_work_(max_work), best_(std::move(best)) {}
 
   void run() {
     Bits all(graph_.num_words(), 0);
@@ -107,7 +107,7 @@ class Search {
   }
 
   bool is_proven() const { return !stopped_; }
-  std::size_t num_branches() const { return num_branches_; }
+  std::size_t work() const { return work_; }
   const std::vector<std::size_t>& best() const { return best_; }
 
  private:
@@ -117,7 +117,7 @@ class Search {
     std::vector<std::size_t> vertices, colours;
   };
 
-  Coloured colour(const Bits& candidates) const {
+  Coloured colour(const Bits& candidates) {
     Coloured result;
     const std::size_t needed = best_.size() < current_.size() ? 0 : best_.size() - current_.size();
     Bits uncoloured = candidates;
@@ -130,6 +130,7 @@ class Search {
           uncoloured[v / 64] &= ~(Word{1} << (v % 64));
           for (std::size_t w = word; w < open.size(); ++w) open[w] &= ~graph_.row(v)[w];
           --left;
+          work_ += open.size() - word;
           if (colour <= needed) continue;
           result.vertices.push_back(v);
           result.colours.push_back(colour);
@@ -143,11 +144,10 @@ class Search {
     const Coloured coloured = colour(candidates);
     for (std::size_t k = coloured.vertices.size(); k-- > 0;) {
       if (current_.size() + coloured.colours[k] <= best_.size()) return;
-      if (num_branches_ == max_branches_) {
+      if (work_ >= max_work_) {
         stopped_ = true;
         return;
       }
-      ++num_branches_;
       const std::size_t v = coloured.vertices[k];
       current_.push_back(v);
       Bits next(candidates.size());
@@ -164,7 +164,7 @@ class Search {
   }
 
   const BitGraph& graph_;
-  std::size_t max_branches_, num_branches_ = 0;
+  std::size_t max_work_, work_ = 0;
   std::vector<std::size_t> current_, best_;
   bool stopped_ = false;
 };
@@ -209,13 +209,13 @@ Clique max_clique(const BitGraph& graph, const MaxCliqueOptions& options) {
     best.clear();
     for (const std::size_t v : options.known) best.push_back(place[v]);
   }
-  Search search(in_order, options.max_branches, std::move(best));
+  Search search(in_order, options.max_work, std::move(best));
   search.run();
   Clique clique;
   for (const std::size_t v : search.best()) clique.vertices.push_back(order[v]);
   std::sort(clique.vertices.begin(), clique.vertices.end());
   clique.is_proven = search.is_proven();
-  clique.num_branches = search.num_branches();
+  clique.work = search.work();
   return clique;
 }
 

@@ -33,9 +33,9 @@ class BitGraph {
 
 /// What max_clique() may be told.
 struct MaxCliqueOptions {
-  /// The search ends after so many branches, with the best clique so far: a bound on time that gives the same answer on every
-  /// machine. About a million a second on graphs of hundreds of vertices.
-  std::size_t max_branches = 1'000'000;
+  /// The search ends after so much work, with the best clique so far: a bound on time that gives the same answer on every
+  /// machine. The unit is a word of 64 neighbours looked at; about a billion a second.
+  std::size_t max_work = 2'000'000'000;
   /// A clique that is known: it is returned unless a larger one is found.
   std::vector<std::size_t> known = {};
 };
@@ -43,8 +43,8 @@ struct MaxCliqueOptions {
 /// The most vertices that are all joined to one another.
 struct Clique {
   std::vector<std::size_t> vertices;  ///< Ascending.
-  bool is_proven = true;              ///< False: the search was ended by `max_branches`, and a larger one may be.
-  std::size_t num_branches = 0;
+  bool is_proven = true;              ///< False: the search was ended by `max_work`, and a larger one may be.
+  std::size_t work = 0;
 };
 
 /// Exact maximum clique: branch and bound in which the number of colours that a greedy colouring needs bounds the clique from

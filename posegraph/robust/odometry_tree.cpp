@@ -7,6 +7,7 @@
 #include <deque>
 
 #include "posegraph/information.h"
+#include "verification/uncertain_pose.h"
 
 namespace fabloop {
 namespace {
@@ -22,13 +23,6 @@ Eigen::MatrixXd inverse_of_information(const Eigen::MatrixXd& information) {
 }
 
 }  // namespace
-
-Matrix6d adjoint(const Pose& a_from_b) {
-  const Eigen::Matrix3d rotation = a_from_b.rotation.toRotationMatrix();
-  Matrix6d result;
-  result << rotation, cross_matrix(a_from_b.translation) * rotation, Eigen::Matrix3d::Zero(), rotation;
-  return result;
-}
 
 Matrix6d edge_covariance(const Edge& edge, int dimension) {
   if (dimension == 3) return inverse_of_information(edge.information);

@@ -8,9 +8,6 @@
 
 namespace fabloop {
 
-/// Ad of a pose, translation before rotation: a_from_b * Exp(e) = Exp(Ad e) * a_from_b.
-Matrix6d adjoint(const Pose& a_from_b);
-
 /// Covariance of an edge's error, in the frame of `to`. Planar graphs have zeros for z, roll and pitch. Where the information
 /// says nothing (an eigenvalue of zero, rounding apart), the covariance is as large as rounding lets it be.
 Matrix6d edge_covariance(const Edge& edge, int dimension);

@@ -173,7 +173,7 @@ Solution solve_graduated(PoseGraph& graph, const Roles& roles, const RobustOptio
 
 Solution solve_consistent(PoseGraph& graph, const Roles& roles, const RobustOptions& options) {
   const LoopConsistency loops(graph, options.doubted, options.inlier_probability, roles.noise_scale);
-  const ConsistentLoops found = most_consistent_loops(loops, options.max_clique_branches);
+  const ConsistentLoops found = most_consistent_loops(loops, options.max_clique_work);
   EdgeWeights edges = weights_of(roles, 0.0);
   for (const std::size_t loop : found.loops) {
     if (roles.is_doubted[loops.edges()[loop]]) edges.weights[loops.edges()[loop]] = 1.0;

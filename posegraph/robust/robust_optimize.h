@@ -90,8 +90,8 @@ struct RobustOptions {
   std::vector<double> warm_weights = {};
   /// Graduated back ends: factor by which the cost nears the true one in each step. Closer to 1 is safer and slower.
   double gnc_factor = 2.0;
-  /// Pairwise consistency: branches of the search for the largest set, which bounds its time. See MaxCliqueOptions.
-  std::size_t max_clique_branches = 200'000;
+  /// Pairwise consistency: work of the search for the largest set, which bounds its time. See MaxCliqueOptions.
+  std::size_t max_clique_work = 2'000'000'000;
   /// Objective and bounds of the solves. Its robust loss is not used.
   OptimizeOptions optimize = {};
 };

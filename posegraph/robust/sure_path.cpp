@@ -73,16 +73,8 @@ UncertainPose SurePaths::follow(std::size_t from, const std::vector<std::size_t>
   std::size_t at = from;
   for (const std::size_t e : edges) {
     const Edge& edge = graph_.edges[e];
-    Matrix6d covariance = edge_covariance(edge, graph_.dimension);
-    Pose step = edge.from_from_to;
-    if (edge.to == at) {
-      const Matrix6d turned = adjoint(step);
-      covariance = turned * covariance * turned.transpose();
-      step = step.inverse();
-    }
-    const Matrix6d carried = adjoint(step.inverse());
-    result.covariance = carried * result.covariance * carried.transpose() + covariance;
-    result.from_from_to = result.from_from_to * step;
+    const UncertainPose step{edge.from_from_to, edge_covariance(edge, graph_.dimension)};
+    result = result * (edge.to == at ? inverse(step) : step);
     at = edge.to == at ? edge.from : edge.to;
   }
   return result;

@@ -6,14 +6,9 @@
 #include <vector>
 
 #include "posegraph/pose_graph.h"
+#include "verification/uncertain_pose.h"
 
 namespace fabloop {
-
-/// A relative pose with its covariance in the frame of `to`.
-struct UncertainPose {
-  Pose from_from_to;
-  Matrix6d covariance = Matrix6d::Zero();
-};
 
 /// The surest way between two vertices of a graph: the path on which edges err least in sum, each axis in units of what odometry
 /// errs in a step.
