@@ -84,9 +84,9 @@ OptimizeReport IncrementalMap::solve_window() {
   std::vector<std::size_t> outside;
   const auto position = [&](std::size_t v) {
     if (v >= first) return v - first;
-    const auto found = std::find(outside.begin(), outside.end(), v);
-    if (found == outside.end()) outside.push_back(v);
-    return size - first + static_cast<std::size_t>(found - outside.begin());
+    const auto place = static_cast<std::size_t>(std::find(outside.begin(), outside.end(), v) - outside.begin());
+    if (place == outside.size()) outside.push_back(v);
+    return size - first + place;
   };
   for (std::size_t e = graph_.edges.size(); e-- > 0;) {
     const Edge& edge = graph_.edges[e];
