@@ -5,6 +5,7 @@
 #include <string>
 
 #include "frontend/error.h"
+#include "posegraph/map_skeleton.h"
 
 namespace fabloop {
 namespace {
@@ -62,16 +63,23 @@ IncrementalStep IncrementalMap::step() {
   if (has_loop) is_settled_ = false;
   IncrementalStep step;
   if (!is_settled_) {
-    OptimizeOptions options = options_.optimize;
-    options.max_iterations = options_.whole_map_iterations;
-    step.kind = IncrementalStep::Kind::WholeMap;
-    step.report = optimize(graph_, options);
+    step = solve_map();
     is_settled_ = step.report.termination != Termination::MaxIterations ||
                   step.report.initial_cost - step.report.final_cost <= options_.settled_tolerance * step.report.initial_cost;
   } else if (has_neighbour) {
     step.kind = IncrementalStep::Kind::Window;
     step.report = solve_window();
   }
+  return step;
+}
+
+IncrementalStep IncrementalMap::solve_map() {
+  OptimizeOptions options = options_.optimize;
+  options.max_iterations = options_.whole_map_iterations;
+  if (graph_.vertices.size() <= options_.max_pieces) return {IncrementalStep::Kind::WholeMap, optimize(graph_, options)};
+  MapSkeleton skeleton = make_skeleton(graph_, options_.max_pieces);
+  IncrementalStep step{IncrementalStep::Kind::Pieces, optimize(skeleton.graph, options)};
+  follow_skeleton(skeleton, graph_);
   return step;
 }
 

@@ -16,9 +16,12 @@ struct IncrementalOptions {
   /// Newest vertices that move when an edge comes that closes no loop. More lets neighbours correct further back and takes
   /// longer.
   std::size_t window = 30;
-  /// Iterations over the whole map in a step, from the step in which a loop came until the map has settled. More settles in fewer
+  /// Maps up to this size move vertex by vertex when a loop comes. Larger ones move in so many pieces, which bounds the time of a
+  /// step however long the walk; finish() moves every vertex. More bends more finely and takes longer.
+  std::size_t max_pieces = 300;
+  /// Iterations over the map in a step, from the step in which a loop came until the map has settled. More settles in fewer
   /// steps, and makes each take longer.
-  int whole_map_iterations = 1;
+  int whole_map_iterations = 2;
   /// The map has settled when an iteration lowers the cost by less than this part of it.
   double settled_tolerance = 1e-5;
 };
@@ -29,14 +32,15 @@ struct IncrementalStep {
     Chained,   ///< Nothing but odometry came: the new vertex stands where it leads.
     Window,    ///< The newest vertices were moved.
     WholeMap,  ///< All vertices were moved.
+    Pieces,    ///< All vertices were moved, in pieces.
   };
   Kind kind = Kind::Chained;
   OptimizeReport report;  ///< Of the solve, if there was one.
 };
 
 /// A map that grows vertex by vertex, each step in bounded time: odometry chains, neighbours move a window, and a loop moves the
-/// whole map, a few iterations in each step from the poses so far. finish() ends where optimize() would have ended on the whole
-/// graph.
+/// whole map, a few iterations in each step from the poses so far, in pieces where it is long. finish() ends where optimize()
+/// would have ended on the whole graph.
 class IncrementalMap {
  public:
   /// The first vertex stands where its odometry says, and is held.
@@ -67,6 +71,7 @@ class IncrementalMap {
 
  private:
   OptimizeReport solve_window();
+  IncrementalStep solve_map();
 
   IncrementalOptions options_;
   PoseGraph graph_;

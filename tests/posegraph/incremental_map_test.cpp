@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "frontend/error.h"
+#include "posegraph/map_skeleton.h"
 #include "posegraph/smooth_correction.h"
+#include "tests/posegraph/long_walk.h"
 #include "tests/posegraph/synthetic_graph.h"
 
 namespace fabloop {
@@ -60,6 +62,55 @@ TEST(IncrementalMap, SettlesStepByStepNearTheBatch) {
   EXPECT_TRUE(map.is_settled());
   EXPECT_LT(test::largest_distance(map.graph(), batch), 0.005) << "a quarter of a step's noise";
   EXPECT_EQ(map.step().kind, IncrementalStep::Kind::Chained);
+}
+
+TEST(IncrementalMap, LongMapsMoveInPiecesAndFinishWhereTheBatchDoes) {
+  test::LongWalkOptions walk;
+  walk.num_poses = 180;
+  walk.lap = 60;
+  walk.loop_every = 5;
+  PoseGraph batch = test::make_long_walk(walk);
+  IncrementalOptions options;
+  options.max_pieces = 60;
+  IncrementalMap map(options);
+  std::size_t edge = 0;
+  for (std::size_t v = 0; v < batch.vertices.size(); ++v) {
+    const Matrix6d information = v == 0 ? Matrix6d::Identity() : batch.edges[edge++].information;
+    map.add_keyframe(batch.vertices[v].id, batch.vertices[v].world_from_frame, information);
+    for (; edge < batch.edges.size() && batch.edges[edge].kind == EdgeKind::Loop; ++edge) map.add_edge(batch.edges[edge]);
+    const IncrementalStep step = map.step();
+    if (v >= walk.lap && v % walk.loop_every == 0) {
+      EXPECT_EQ(step.kind, v < 60 ? IncrementalStep::Kind::WholeMap : IncrementalStep::Kind::Pieces);
+    }
+  }
+  const PoseGraph odometry = batch;
+  optimize(batch);
+  // Within the walk's noise of the batch, step by step, and there in the end.
+  EXPECT_LT(test::largest_distance(map.graph(), batch), 0.2 * test::largest_distance(odometry, batch));
+  map.finish();
+  EXPECT_LT(test::largest_distance(map.graph(), batch), kSolverError);
+}
+
+TEST(MapSkeleton, OfATrueMapMovesNothing) {
+  test::LongWalkOptions walk;
+  walk.num_poses = 100;
+  walk.lap = 40;
+  PoseGraph graph = test::make_long_walk(walk);
+  optimize(graph);
+  const PoseGraph before = graph;
+  MapSkeleton skeleton = make_skeleton(graph, 20);
+  EXPECT_LE(skeleton.kept.size(), 21u);
+  EXPECT_EQ(skeleton.kept.front(), 0u);
+  EXPECT_EQ(skeleton.kept.back(), 99u);
+  follow_skeleton(skeleton, graph);
+  EXPECT_LT(test::largest_distance(graph, before), 1e-9);
+  // A shift of the whole skeleton takes every vertex along.
+  for (Vertex& vertex : skeleton.graph.vertices) vertex.world_from_frame.translation.x() += 3.0;
+  follow_skeleton(skeleton, graph);
+  for (std::size_t v = 0; v < graph.vertices.size(); ++v) {
+    EXPECT_NEAR(graph.vertices[v].world_from_frame.translation.x(), before.vertices[v].world_from_frame.translation.x() + 3.0,
+                1e-9);
+  }
 }
 
 TEST(IncrementalMap, NeighboursMoveTheWindowAndNothingElse) {
