@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "posegraph/robust/odometry_tree.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cassert>
@@ -25,7 +26,11 @@ Eigen::MatrixXd inverse_of_information(const Eigen::MatrixXd& information) {
 }  // namespace
 
 Matrix6d edge_covariance(const Edge& edge, int dimension) {
-  if (dimension == 3) return inverse_of_information(edge.information);
+  if (dimension == 3) {
+    const Eigen::LLT<Matrix6d> cholesky(edge.information);
+    if (cholesky.info() == Eigen::Success && cholesky.rcond() > kSmallestShare) return cholesky.solve(Matrix6d::Identity());
+    return inverse_of_information(edge.information);
+  }
   const Eigen::Matrix3d planar = inverse_of_information(planar_information(edge.information));
   constexpr int kRows[3] = {0, 1, 5};
   Matrix6d covariance = Matrix6d::Zero();
