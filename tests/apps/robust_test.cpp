@@ -15,11 +15,11 @@ namespace {
 
 using namespace testing_support;
 
-/// A walk of three laps, whose last edge is a loop that is wrong.
+/// A walk of three laps that ends with a loop, and one more that is wrong.
 class RobustCommand : public testing::Test {
  protected:
   RobustCommand() {
-    PoseGraph graph = test::make_long_walk({90, 30, 2, 1});
+    PoseGraph graph = test::make_long_walk({91, 30, 2, 1});
     Edge wrong = graph.edges.back();
     wrong.from = 10;
     wrong.to = 25;
