@@ -72,7 +72,8 @@ enum class NoiseScale {
 
 /// What robust_optimize() may be told.
 struct RobustOptions {
-  /// The default keeps its map within 5 % of the one without false loops at 50 % of them (table in the README).
+  /// The default holds out where half of the loops are false and stays fast (figures in the README). Dynamic covariance scaling
+  /// where odometry is good and loops are few.
   BackEnd back_end = BackEnd::GncTruncated;
   /// A right loop has a chi-square below the threshold with this probability. Lower rejects more. Where the information
   /// matrices promise too much, right loops are rejected too: mend those, or raise this.
