@@ -16,6 +16,7 @@
 #include "frontend/fabmap/openfabmap_io.h"
 #include "frontend/fabmap/openfabmap_settings.h"
 #include "frontend/features/feature_settings.h"
+#include "frontend/sequence/trajectory_formats.h"
 
 namespace fabloop::apps {
 namespace {
@@ -25,6 +26,7 @@ namespace fs = std::filesystem;
 struct ConvertArguments {
   std::vector<std::string> inputs;
   std::string out;
+  std::string trajectory_to;
   FeatureArguments features;
   std::uint64_t seed = 1;
   bool gzip = false;
@@ -144,7 +146,17 @@ void convert_to_openfabmap(const fs::path& file, const ConvertArguments& argumen
   print_model(arguments.out, model);
 }
 
+void convert_trajectory(const ConvertArguments& arguments) {
+  if (arguments.inputs.size() != 1) throw InputError(arguments.inputs[1] + ": is a second input; give one trajectory");
+  require_absent(arguments.out, arguments.overwrite);
+  const fs::path in = arguments.inputs.front();
+  const Trajectory trajectory = read_trajectory(in, detect_trajectory_format(in));
+  write_trajectory(arguments.out, trajectory, *trajectory_format_named(arguments.trajectory_to));
+  std::cout << arguments.out << ": " << trajectory.size() << " poses\n";
+}
+
 void run_convert(const ConvertArguments& arguments, const CommonOptions& common) {
+  if (!arguments.trajectory_to.empty()) return convert_trajectory(arguments);
   const std::vector<fs::path> files = input_files(arguments);
   if (files.empty()) throw InputError(arguments.inputs.front() + ": is an empty folder; give a model, or openFABMAP's files");
   const auto model = std::find_if(files.begin(), files.end(), is_model_file);
@@ -157,13 +169,18 @@ void run_convert(const ConvertArguments& arguments, const CommonOptions& common)
 
 void add_convert_command(CLI::App& program, const CommonOptions& common) {
   const auto arguments = std::make_shared<ConvertArguments>();
-  CLI::App* command = program.add_subcommand("convert", "openFABMAP's files into a model, or a model into openFABMAP's files");
+  CLI::App* command =
+      program.add_subcommand("convert", "openFABMAP's files into a model and back, or a trajectory into another form");
   command
       ->add_option("IN", arguments->inputs,
                    "a model; or openFABMAP's vocabulary, tree and, optionally, training images (BOW) and settings, in any order, "
                    "or the folder of them")
       ->required();
-  command->add_option("--out", arguments->out, "model file, or folder for openFABMAP's files, to write")->required();
+  command->add_option("--out", arguments->out, "model file, folder for openFABMAP's files, or trajectory, to write")->required();
+  command
+      ->add_option("--trajectory-to", arguments->trajectory_to,
+                   "IN is a trajectory (TUM, KITTI with times.txt beside it, or EuRoC): write it in this form")
+      ->check(CLI::IsMember({"tum", "kitti", "euroc"}));
   add_feature_arguments(command, arguments->features, "to a model: as openFABMAP's settings file, else OpenCV's ");
   command->add_option("--seed", arguments->seed, "to a model: chooses among more than 1,000 training images")
       ->capture_default_str();

@@ -32,6 +32,7 @@ struct EvaluateArguments {
   bool json = false;
   bool table = false;
   bool sim3 = false;
+  bool yaw = false;
   double rpe_distance_m = 100.0;
   double max_time_difference_s = 0.01;
   LoopEvaluationOptions loops;
@@ -74,7 +75,7 @@ ordered_json to_json(const std::optional<RelativePoseError>& rpe) {
 ordered_json judge_trajectory(const EvaluateArguments& arguments, const fs::path& path, const Trajectory& reference) {
   const Trajectory estimate = read_tum(path);
   TrajectoryErrorOptions options;
-  options.alignment = arguments.sim3 ? Alignment::Sim3 : Alignment::Se3;
+  options.alignment = arguments.sim3 ? Alignment::Sim3 : arguments.yaw ? Alignment::Yaw : Alignment::Se3;
   options.max_time_difference_s = arguments.max_time_difference_s;
   const auto ate = absolute_trajectory_error(estimate, reference, options);
   ordered_json result;
@@ -85,11 +86,12 @@ ordered_json judge_trajectory(const EvaluateArguments& arguments, const fs::path
   options.segment_length_m = arguments.rpe_distance_m;
   result["rpe_over_distance"] = to_json(relative_pose_error(estimate, reference, options));
   result["rpe_distance_m"] = arguments.rpe_distance_m;
-  result["alignment"] = arguments.sim3 ? "Sim(3)" : "SE(3)";
+  result["alignment"] = arguments.sim3 ? "Sim(3)" : arguments.yaw ? "yaw and translation" : "SE(3)";
   std::ostringstream evo;
   evo << "evo_ape tum " << reference_path(arguments).string() << ' ' << path.string() << (arguments.sim3 ? " -as" : " -a");
   if (arguments.max_time_difference_s != 0.01) evo << " --t_max_diff " << arguments.max_time_difference_s;
-  result["repeat_with"] = evo.str();
+  // evo has no alignment by yaw.
+  if (!arguments.yaw) result["repeat_with"] = evo.str();
   return result;
 }
 
@@ -211,6 +213,8 @@ void add_evaluate_command(CLI::App& program) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command->add_flag("--sim3", arguments->sim3, "align with scale too, for trajectories that do not know theirs");
+  command->add_flag("--yaw", arguments->yaw, "align heading and position only, for trajectories that know where down is (z up)")
+      ->excludes("--sim3");
   command->add_flag("--json", arguments->json, "print one JSON object");
   command->add_flag("--table", arguments->table,
                     "print a table row with the run's counts, errors and seconds a frame (Markdown)");

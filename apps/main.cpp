@@ -35,6 +35,7 @@ int main(int argc, char** argv) {
   add_verify_command(program);
   add_map_command(program, common);
   add_optimize_command(program, common);
+  add_study_command(program);
   add_survey_command(program, common);
   add_evaluate_command(program);
 

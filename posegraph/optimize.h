@@ -103,11 +103,11 @@ struct OptimizeReport {
 /// edge whose ends are not two vertices of the graph, for numbers that are not finite, and for a planar edge without scale.
 OptimizeReport optimize(PoseGraph& graph, const OptimizeOptions& options = {});
 
-/// Error and robust weight of every edge of the graph as it stands, in its order.
-std::vector<EdgeResult> evaluate_edges(const PoseGraph& graph, const OptimizeOptions& options = {});
-
 /// The cost of the graph as it stands: optimize()'s `initial_cost`, without moving anything.
 double evaluate_cost(const PoseGraph& graph, const OptimizeOptions& options = {});
+
+/// Error and robust weight of every edge of the graph as it stands, in its order.
+std::vector<EdgeResult> evaluate_edges(const PoseGraph& graph, const OptimizeOptions& options = {});
 
 /// "converged", "stopped at the maximum number of iterations", ...
 std::string_view in_words(Termination termination);

@@ -15,6 +15,8 @@ double robust_cost(RobustLoss loss, double chi2, double c2) {
       return c2 * std::log1p(chi2 / c2);
     case RobustLoss::GemanMcClure:
       return c2 * chi2 / (c2 + chi2);
+    case RobustLoss::DynamicCovarianceScaling:
+      return chi2 <= c2 ? chi2 : c2 * (3.0 * chi2 - c2) / (c2 + chi2);
   }
   return chi2;
 }
@@ -29,6 +31,8 @@ double robust_weight(RobustLoss loss, double chi2, double c2) {
       return c2 / (c2 + chi2);
     case RobustLoss::GemanMcClure:
       return (c2 / (c2 + chi2)) * (c2 / (c2 + chi2));
+    case RobustLoss::DynamicCovarianceScaling:
+      return chi2 <= c2 ? 1.0 : (2.0 * c2 / (c2 + chi2)) * (2.0 * c2 / (c2 + chi2));
   }
   return 1.0;
 }
@@ -43,6 +47,8 @@ double robust_curvature(RobustLoss loss, double chi2, double c2) {
       return -c2 / ((c2 + chi2) * (c2 + chi2));
     case RobustLoss::GemanMcClure:
       return -2.0 * c2 * c2 / ((c2 + chi2) * (c2 + chi2) * (c2 + chi2));
+    case RobustLoss::DynamicCovarianceScaling:
+      return chi2 <= c2 ? 0.0 : -8.0 * c2 * c2 / ((c2 + chi2) * (c2 + chi2) * (c2 + chi2));
   }
   return 0.0;
 }

@@ -11,6 +11,9 @@ enum class RobustLoss {
   /// Bounded by the scale: an edge that disagrees is ignored in the end. So are right ones where the start is far off: start
   /// from poses that fit.
   GemanMcClure,
+  /// Squared within the scale, then weighed by s^2 with s = 2 c^2 / (c^2 + chi2): dynamic covariance scaling (Agarwal et al.,
+  /// ICRA 2013, eq. 14 and 15) with its parameter phi as the squared scale. Bounded by 3 c^2.
+  DynamicCovarianceScaling,
 };
 
 /// rho(s) for s = chi2, with c2 the squared scale at which the loss leaves the parabola.

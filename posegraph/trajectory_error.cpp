@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "posegraph/trajectory_error.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <tuple>
 #include <utility>
 
 namespace fabloop {
@@ -51,20 +51,26 @@ std::size_t nearest(const Trajectory& trajectory, std::int64_t time_ns) {
   return index;
 }
 
-/// Pairs of positions that a relative error spans: neighbours, or stretches that lie end to end along the reference's path
-/// (evo: `id_pairs_from_delta` in metres without `--all_pairs`).
+/// Pairs of positions that a relative error spans: neighbours, or stretches that lie end to end along the reference's path. As in
+/// evo, the first begins where the path has the length for the first time, not at its start.
 std::vector<std::pair<std::size_t, std::size_t>> steps(const std::vector<PosePair>& pairs, double segment_length_m) {
-  std::vector<std::pair<std::size_t, std::size_t>> result;
-  std::size_t start = 0;
+  std::vector<std::size_t> ends;
   double length = 0.0;
-  for (std::size_t i = 1; i < pairs.size(); ++i) {
-    length += (reference_of(pairs[i]).translation - reference_of(pairs[i - 1]).translation).norm();
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (i > 0) length += (reference_of(pairs[i]).translation - reference_of(pairs[i - 1]).translation).norm();
     if (segment_length_m > 0.0 && length < segment_length_m) continue;
-    result.emplace_back(start, i);
-    start = i;
+    ends.push_back(i);
     length = 0.0;
   }
+  std::vector<std::pair<std::size_t, std::size_t>> result;
+  for (std::size_t k = 1; k < ends.size(); ++k) result.emplace_back(ends[k - 1], ends[k]);
   return result;
+}
+
+/// The turn about z that aligns centred points best, from their 3 x 3 covariance (reference by estimate).
+Eigen::Matrix3d best_yaw(const Eigen::Matrix3d& covariance) {
+  const double yaw = std::atan2(covariance(1, 0) - covariance(0, 1), covariance(0, 0) + covariance(1, 1));
+  return Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
 }
 
 }  // namespace
@@ -75,21 +81,11 @@ std::vector<PosePair> associate(const Trajectory& estimate, const Trajectory& re
   const Trajectory& longer = estimate_is_shorter ? reference : estimate;
   const auto max_difference_ns = static_cast<std::int64_t>(std::llround(max_time_difference_s * 1e9));
   if (shorter.empty()) return {};
-  // (difference, position in the shorter, position in the longer): sorted, the nearest are served first.
-  std::vector<std::tuple<std::int64_t, std::size_t, std::size_t>> candidates;
+  std::vector<std::pair<std::size_t, std::size_t>> matches;
   for (std::size_t i = 0; i < shorter.size(); ++i) {
     const std::size_t j = nearest(longer, shorter[i].time_ns);
-    const std::int64_t difference = std::abs(shorter[i].time_ns - longer[j].time_ns);
-    if (difference <= max_difference_ns) candidates.emplace_back(difference, i, j);
+    if (std::abs(shorter[i].time_ns - longer[j].time_ns) <= max_difference_ns) matches.emplace_back(i, j);
   }
-  std::sort(candidates.begin(), candidates.end());
-  std::vector<bool> taken(longer.size(), false);
-  std::vector<std::pair<std::size_t, std::size_t>> matches;
-  for (const auto& [difference, i, j] : candidates) {
-    if (!taken[j]) matches.emplace_back(i, j);
-    taken[j] = true;
-  }
-  std::sort(matches.begin(), matches.end());
   std::vector<PosePair> pairs;
   for (const auto& [i, j] : matches) {
     const StampedPose& of_estimate = estimate_is_shorter ? shorter[i] : longer[j];
@@ -110,6 +106,11 @@ std::optional<Similarity> align_points(const Eigen::Matrix3Xd& estimate, const E
   const double spread = centred_estimate.squaredNorm();
   if (!(spread > 0.0)) return std::nullopt;
   const Eigen::Matrix3d covariance = centred_reference * centred_estimate.transpose();
+  if (alignment == Alignment::Yaw) {
+    result.rotation = best_yaw(covariance);
+    result.translation = mean_reference - result.rotation * mean_estimate;
+    return result;
+  }
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Vector3d signs = Eigen::Vector3d::Ones();
   if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0) signs(2) = -1.0;

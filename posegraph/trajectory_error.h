@@ -16,6 +16,7 @@ enum class Alignment {
   None,  ///< Nothing: both are in one frame.
   Se3,   ///< Rotation and translation (`evo_ape -a`).
   Sim3,  ///< Also scale, for monocular trajectories without it (`evo_ape -as`).
+  Yaw,   ///< Heading and translation, for trajectories that know where down is; z is up (Zhang & Scaramuzza, IROS 2018: posyaw).
 };
 
 /// x_in_reference = scale * rotation * x_in_estimate + translation.
@@ -62,20 +63,22 @@ struct RelativePoseError {
   ErrorStatistics rotation_deg;
 };
 
-/// Matches each pose of the shorter trajectory to the nearest in time of the longer, no pose twice (the nearer wins, then the
-/// earlier).
+/// Matches each pose of the shorter trajectory to the nearest in time of the longer (of two as near, the earlier). As in evo, a
+/// pose of the longer may be matched twice.
 std::vector<PosePair> associate(const Trajectory& estimate, const Trajectory& reference, double max_time_difference_s = 0.01);
 
 /// The similarity that minimises the squared distances of reference to moved estimate points (3 x N each). Umeyama, PAMI 1991,
-/// eq. 40-42. None with fewer than 2 points, or where they do not determine it (all in one point).
+/// eq. 40-42; for Alignment::Yaw the same over turns about z. None with fewer than 2 points, or where they do not determine it
+/// (all in one point).
 std::optional<Similarity> align_points(const Eigen::Matrix3Xd& estimate, const Eigen::Matrix3Xd& reference, Alignment alignment);
 
 /// ATE in evo's definition (`evo_ape tum REFERENCE ESTIMATE -a`). None with fewer than 3 matched poses.
 std::optional<AbsoluteTrajectoryError> absolute_trajectory_error(const Trajectory& estimate, const Trajectory& reference,
                                                                  const TrajectoryErrorOptions& options = {});
 
-/// RPE in evo's definition (`evo_rpe tum REFERENCE ESTIMATE -d 1 -u f`, or `-d LENGTH -u m`). With Alignment::Sim3 the estimate's
-/// steps are scaled first. None with fewer than 2 matched poses, or none that are a segment length apart.
+/// RPE in evo's definition (`evo_rpe tum REFERENCE ESTIMATE -d 1 -u f`, or `-d LENGTH -u m
+/// --pairs_from_reference`). With Alignment::Sim3 the estimate's
+/// steps are scaled first. None with fewer than 2 matched poses, or a path of less than two segment lengths.
 std::optional<RelativePoseError> relative_pose_error(const Trajectory& estimate, const Trajectory& reference,
                                                      const TrajectoryErrorOptions& options = {});
 

@@ -17,8 +17,8 @@ void expect_wrong_usage(const std::vector<std::string>& arguments) {
 
 TEST(Usage, HelpOfEveryCommandSucceeds) {
   EXPECT_EQ(run_fabloop({"--help"}).exit_code, 0);
-  for (const char* command :
-       {"demo", "synth", "features", "train", "convert", "recognize", "verify", "survey", "map", "optimize", "evaluate"}) {
+  for (const char* command : {"demo", "synth", "features", "train", "convert", "recognize", "verify", "study", "survey", "map",
+                              "optimize", "evaluate"}) {
     const ProgramResult result = run_fabloop({command, "--help"});
     EXPECT_EQ(result.exit_code, 0) << command << result.err;
     EXPECT_NE(result.out.find("--"), std::string::npos) << command;

@@ -6,7 +6,8 @@
 namespace fabloop {
 namespace {
 
-constexpr RobustLoss kLosses[] = {RobustLoss::None, RobustLoss::Huber, RobustLoss::Cauchy, RobustLoss::GemanMcClure};
+constexpr RobustLoss kLosses[] = {RobustLoss::None, RobustLoss::Huber, RobustLoss::Cauchy, RobustLoss::GemanMcClure,
+                                  RobustLoss::DynamicCovarianceScaling};
 
 TEST(RobustLoss, DerivativesAreThoseOfTheCost) {
   constexpr double kStep = 1e-5;
@@ -29,6 +30,7 @@ TEST(RobustLoss, SmallErrorsAreSquaredAndLargeOnesCountLess) {
     EXPECT_LE(robust_weight(loss, 100.0, 4.0), 1.0);
   }
   EXPECT_LT(robust_cost(RobustLoss::GemanMcClure, 1e9, 4.0), 4.0);
+  EXPECT_LT(robust_cost(RobustLoss::DynamicCovarianceScaling, 1e9, 4.0), 12.0);
 }
 
 }  // namespace

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
 #include "tests/posegraph/synthetic_graph.h"
 
 namespace fabloop {
@@ -134,7 +137,7 @@ TEST(TrajectoryError, RelativeErrorsAreThoseOfEachStep) {
 TEST(TrajectoryError, RelativeErrorsOverADistanceSpanStretches) {
   Trajectory reference;
   Trajectory estimate;
-  for (int k = 0; k <= 10; ++k) {
+  for (int k = 0; k <= 15; ++k) {
     reference.push_back(at(k, {1.0 * k, 0, 0}));
     estimate.push_back(at(k, {1.1 * k, 0, 0}));
   }
@@ -142,7 +145,7 @@ TEST(TrajectoryError, RelativeErrorsOverADistanceSpanStretches) {
   options.segment_length_m = 5.0;
   const auto rpe = relative_pose_error(estimate, reference, options);
   ASSERT_TRUE(rpe);
-  EXPECT_EQ(rpe->translation_m.count, 2u);
+  EXPECT_EQ(rpe->translation_m.count, 2u) << "evo begins at the end of the first stretch";
   EXPECT_NEAR(rpe->translation_m.rmse, 0.5, 1e-9);
   options.alignment = Alignment::Sim3;
   EXPECT_NEAR(relative_pose_error(estimate, reference, options)->translation_m.rmse, 0.0, 1e-9);
@@ -150,16 +153,114 @@ TEST(TrajectoryError, RelativeErrorsOverADistanceSpanStretches) {
   EXPECT_FALSE(relative_pose_error(estimate, reference, options));
 }
 
+TEST(TrajectoryError, AlignmentByYawLeavesTheTilt) {
+  const Trajectory reference = exact();
+  const Pose turned{test::rotation_from_vector({0.0, 0.0, 2.0}), {100.0, -50.0, 7.0}};
+  TrajectoryErrorOptions options;
+  options.alignment = Alignment::Yaw;
+  EXPECT_LT(absolute_trajectory_error(moved(reference, turned), reference, options)->translation_m.max, 1e-9);
+  const Pose tilted{test::rotation_from_vector({0.1, 0.0, 0.0}), Eigen::Vector3d::Zero()};
+  EXPECT_GT(absolute_trajectory_error(moved(reference, tilted), reference, options)->translation_m.rmse, 0.1);
+  for (std::uint32_t seed = 0; seed < 5; ++seed) {
+    const Trajectory estimate = noisy(seed);
+    const double best = absolute_trajectory_error(estimate, reference, options)->translation_m.rmse;
+    // No other heading is better, and freedom to tilt is.
+    for (const double yaw : {-0.01, 0.01}) {
+      TrajectoryErrorOptions as_is;
+      as_is.alignment = Alignment::None;
+      const auto similarity = absolute_trajectory_error(estimate, reference, options)->reference_from_estimate;
+      const Pose aligned{Eigen::Quaterniond(similarity.rotation), similarity.translation};
+      const Pose about_mean = Pose{test::rotation_from_vector({0, 0, yaw}), Eigen::Vector3d::Zero()} * aligned;
+      EXPECT_GT(absolute_trajectory_error(moved(estimate, about_mean), reference, as_is)->translation_m.rmse, best);
+    }
+    EXPECT_LE(absolute_trajectory_error(estimate, reference)->translation_m.rmse, best + 1e-12);
+  }
+}
+
+/// evo's definitions once more, by other means: 4 x 4 matrices, and Horn's quaternion in place of Umeyama's decomposition.
+struct EvoFigures {
+  double ape_rmse = 0.0, rpe_rmse = 0.0, rpe_deg_rmse = 0.0;
+};
+
+EvoFigures by_other_means(const Trajectory& estimate, const Trajectory& reference, double segment_length_m) {
+  const std::size_t size = estimate.size();
+  std::vector<Eigen::Matrix4d> p(size, Eigen::Matrix4d::Identity());
+  std::vector<Eigen::Matrix4d> q = p;
+  Eigen::Vector3d mean_p = Eigen::Vector3d::Zero();
+  Eigen::Vector3d mean_q = Eigen::Vector3d::Zero();
+  for (std::size_t i = 0; i < size; ++i) {
+    p[i].topLeftCorner<3, 3>() = estimate[i].world_from_camera.rotation.toRotationMatrix();
+    p[i].topRightCorner<3, 1>() = estimate[i].world_from_camera.translation;
+    q[i].topLeftCorner<3, 3>() = reference[i].world_from_camera.rotation.toRotationMatrix();
+    q[i].topRightCorner<3, 1>() = reference[i].world_from_camera.translation;
+    mean_p += p[i].topRightCorner<3, 1>() / static_cast<double>(size);
+    mean_q += q[i].topRightCorner<3, 1>() / static_cast<double>(size);
+  }
+  // Horn 1987: the rotation is the eigenvector of the largest eigenvalue.
+  Eigen::Matrix4d n = Eigen::Matrix4d::Zero();
+  for (std::size_t i = 0; i < size; ++i) {
+    const Eigen::Vector3d a = p[i].topRightCorner<3, 1>() - mean_p;
+    const Eigen::Vector3d b = q[i].topRightCorner<3, 1>() - mean_q;
+    Eigen::Matrix4d left;
+    Eigen::Matrix4d right;
+    left << 0, -b.x(), -b.y(), -b.z(), b.x(), 0, -b.z(), b.y(), b.y(), b.z(), 0, -b.x(), b.z(), -b.y(), b.x(), 0;
+    right << 0, -a.x(), -a.y(), -a.z(), a.x(), 0, a.z(), -a.y(), a.y(), -a.z(), 0, a.x(), a.z(), a.y(), -a.x(), 0;
+    n += left.transpose() * right;
+  }
+  const Eigen::Vector4d best = Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d>(0.5 * (n + n.transpose())).eigenvectors().col(3);
+  const Eigen::Matrix3d rotation = Eigen::Quaterniond(best(0), best(1), best(2), best(3)).toRotationMatrix();
+  EvoFigures figures;
+  for (std::size_t i = 0; i < size; ++i) {
+    const Eigen::Vector3d error = rotation * (p[i].topRightCorner<3, 1>() - mean_p) + mean_q - q[i].topRightCorner<3, 1>();
+    figures.ape_rmse += error.squaredNorm() / static_cast<double>(size);
+  }
+  figures.ape_rmse = std::sqrt(figures.ape_rmse);
+  std::vector<std::size_t> ids;
+  double path = 0.0;
+  for (std::size_t i = 0; i < size; ++i) {
+    if (i > 0) path += (q[i].topRightCorner<3, 1>() - q[i - 1].topRightCorner<3, 1>()).norm();
+    if (path < segment_length_m) continue;
+    ids.push_back(i);
+    path = 0.0;
+  }
+  for (std::size_t k = 1; k < ids.size(); ++k) {
+    const Eigen::Matrix4d reference_step = q[ids[k - 1]].inverse() * q[ids[k]];
+    const Eigen::Matrix4d error = reference_step.inverse() * (p[ids[k - 1]].inverse() * p[ids[k]]);
+    const double angle_deg = deg_from_rad(std::acos(std::min(1.0, 0.5 * (error.topLeftCorner<3, 3>().trace() - 1.0))));
+    figures.rpe_rmse += error.topRightCorner<3, 1>().squaredNorm() / static_cast<double>(ids.size() - 1);
+    figures.rpe_deg_rmse += angle_deg * angle_deg / static_cast<double>(ids.size() - 1);
+  }
+  figures.rpe_rmse = std::sqrt(figures.rpe_rmse);
+  figures.rpe_deg_rmse = std::sqrt(figures.rpe_deg_rmse);
+  return figures;
+}
+
+TEST(TrajectoryError, FiguresAreEvosToAMillionth) {
+  const Trajectory reference = exact();
+  for (std::uint32_t seed = 0; seed < 10; ++seed) {
+    const Trajectory estimate = noisy(seed);
+    TrajectoryErrorOptions options;
+    options.segment_length_m = 7.0;
+    const EvoFigures evo = by_other_means(estimate, reference, options.segment_length_m);
+    EXPECT_NEAR(absolute_trajectory_error(estimate, reference)->translation_m.rmse, evo.ape_rmse, 1e-6);
+    const auto rpe = relative_pose_error(estimate, reference, options);
+    EXPECT_NEAR(rpe->translation_m.rmse, evo.rpe_rmse, 1e-6);
+    EXPECT_NEAR(rpe->rotation_deg.rmse, evo.rpe_deg_rmse, 1e-6);
+  }
+}
+
 TEST(TrajectoryError, PosesAreMatchedByTime) {
   const Trajectory estimate = {at(0.004, {0, 0, 0}), at(1.02, {1, 0, 0}), at(2.0, {2, 0, 0}), at(2.006, {3, 0, 0})};
   const Trajectory reference = {at(0, {0, 0, 0}), at(1, {1, 0, 0}), at(2, {2, 0, 0})};
   const auto pairs = associate(estimate, reference);
-  ASSERT_EQ(pairs.size(), 2u) << "1.02 is too late, and 2.006 comes second";
+  ASSERT_EQ(pairs.size(), 2u) << "1.02 is too late, and the reference, which is shorter, has nothing nearer to 2.006";
   EXPECT_EQ(pairs[0].estimate.time_ns, estimate[0].time_ns);
   EXPECT_EQ(pairs[1].estimate.time_ns, estimate[2].time_ns);
   EXPECT_EQ(pairs[1].reference_from_camera.translation.x(), 2.0);
   EXPECT_EQ(associate(estimate, reference, 0.05).size(), 3u);
   EXPECT_EQ(associate(reference, estimate).size(), 2u);
+  // Both poses of the shorter are nearest to the same of the longer: both count, as in evo.
+  EXPECT_EQ(associate({at(1.996, {0, 0, 0}), at(2.004, {0, 0, 0})}, reference).size(), 2u);
   EXPECT_TRUE(associate({}, reference).empty());
 }
 

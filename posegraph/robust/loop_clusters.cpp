@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "posegraph/robust/loop_clusters.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "posegraph/robust/sure_path.h"
+
+namespace fabloop {
+namespace {
+
+std::size_t find_root(std::vector<std::size_t>& parent, std::size_t k) {
+  while (parent[k] != k) k = parent[k] = parent[parent[k]];
+  return k;
+}
+
+/// At most three members, evenly spread.
+std::vector<std::size_t> spokesmen(const std::vector<std::size_t>& cluster) {
+  if (cluster.size() <= 3) return cluster;
+  return {cluster.front(), cluster[cluster.size() / 2], cluster.back()};
+}
+
+}  // namespace
+
+std::vector<std::vector<std::size_t>> cluster_loops(const LoopConsistency& loops, const LoopClusterOptions& options) {
+  std::vector<std::size_t> parent(loops.size());
+  std::iota(parent.begin(), parent.end(), std::size_t{0});
+  for (std::size_t a = 0; a < loops.size(); ++a) {
+    for (const std::size_t b : loops.nearest(a, options.max_neighbours, options.max_steps)) {
+      const std::size_t root_a = find_root(parent, a);
+      const std::size_t root_b = find_root(parent, b);
+      if (root_a != root_b && loops.are_consistent(a, b)) parent[std::max(root_a, root_b)] = std::min(root_a, root_b);
+    }
+  }
+  std::vector<std::vector<std::size_t>> by_root(loops.size());
+  for (std::size_t k = 0; k < loops.size(); ++k) by_root[find_root(parent, k)].push_back(k);
+  std::erase_if(by_root, [](const auto& cluster) { return cluster.empty(); });
+  std::stable_sort(by_root.begin(), by_root.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+  return by_root;
+}
+
+LoopTrial choose_trial(const PoseGraph& graph, const LoopConsistency& loops, const std::vector<EdgeKind>& doubted,
+                       const LoopClusterOptions& options) {
+  SurePaths paths(graph, doubted);
+  LoopTrial trial{std::vector<bool>(loops.size(), false), std::vector<bool>(loops.size(), false)};
+  std::vector<std::size_t> tried;
+  std::vector<std::size_t> ends;
+  for (const std::vector<std::size_t>& cluster : cluster_loops(loops, options)) {
+    if (cluster.size() < 2) break;
+    const std::vector<std::size_t> asked = spokesmen(cluster);
+    const auto num_agreeing = static_cast<std::size_t>(std::count_if(asked.begin(), asked.end(), [&](std::size_t k) {
+      const Edge& edge = graph.edges[loops.edges()[k]];
+      const auto path = paths.find(edge.from, edge.to);
+      return !path || loops.agrees(k, *path);
+    }));
+    if (2 * num_agreeing <= asked.size()) continue;
+    for (const std::size_t k : cluster) {
+      trial.is_tried[k] = true;
+      paths.add(loops.edges()[k]);
+      tried.push_back(k);
+    }
+    ends.push_back(tried.size());
+  }
+  // Whole clusters, so that the half may be more.
+  const auto end = std::find_if(ends.begin(), ends.end(), [&](std::size_t count) { return 2 * count >= tried.size(); });
+  for (std::size_t k = 0; end != ends.end() && k < *end; ++k) trial.is_foremost[tried[k]] = true;
+  return trial;
+}
+
+}  // namespace fabloop

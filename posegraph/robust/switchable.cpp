@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "posegraph/robust/switchable.h"
+
+#include <ceres/cost_function.h>
+#include <ceres/manifold.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+
+#include "posegraph/connectivity.h"
+#include "posegraph/residuals.h"
+#include "posegraph/robust/weighted_solve.h"
+
+namespace fabloop {
+namespace {
+
+/// The residual of an edge times its switch, and one more for the switch: blocks as the edge's, then the switch.
+class SwitchedResidual final : public ceres::CostFunction {
+ public:
+  SwitchedResidual(std::unique_ptr<ceres::CostFunction> edge, double c2) : edge_(std::move(edge)), c_(std::sqrt(c2)) {
+    *mutable_parameter_block_sizes() = edge_->parameter_block_sizes();
+    mutable_parameter_block_sizes()->push_back(1);
+    set_num_residuals(edge_->num_residuals() + 1);
+  }
+
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    const std::size_t num_blocks = edge_->parameter_block_sizes().size();
+    const double value = parameters[num_blocks][0];
+    if (!edge_->Evaluate(parameters, residuals, jacobians)) return false;
+    const int size = edge_->num_residuals();
+    Eigen::Map<Eigen::VectorXd> error(residuals, size);
+    if (jacobians != nullptr) {
+      for (std::size_t block = 0; block < num_blocks; ++block) {
+        if (jacobians[block] == nullptr) continue;
+        const int width = edge_->parameter_block_sizes()[block];
+        Eigen::Map<Eigen::VectorXd>(jacobians[block], size * width) *= value;
+        Eigen::Map<Eigen::VectorXd>(jacobians[block] + size * width, width).setZero();
+      }
+      if (jacobians[num_blocks] != nullptr) {
+        Eigen::Map<Eigen::VectorXd>(jacobians[num_blocks], size) = error;
+        jacobians[num_blocks][size] = -c_;
+      }
+    }
+    error *= value;
+    residuals[size] = c_ * (1.0 - value);
+    return true;
+  }
+
+ private:
+  std::unique_ptr<ceres::CostFunction> edge_;
+  double c_;
+};
+
+/// Poses as Ceres moves them, and a switch an edge.
+class SwitchedSolve {
+ public:
+  SwitchedSolve(PoseGraph& graph, const SwitchableProblem& problem)
+      : graph_(graph), problem_(problem), switches_(graph.edges.size(), 1.0) {}
+
+  OptimizeReport run(const OptimizeOptions& options) {
+    for (const Vertex& vertex : graph_.vertices) states_.push_back(state_of(vertex.world_from_frame));
+    ceres::Problem ceres_problem(problem_options());
+    build(ceres_problem, options.objective);
+    ceres::Solver::Options ceres_options;
+    ceres_options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+    ceres_options.num_threads = 1;
+    ceres_options.max_num_iterations = options.max_iterations;
+    ceres_options.function_tolerance = options.cost_tolerance;
+    ceres_options.gradient_tolerance = 0.0;
+    ceres_options.logging_type = ceres::SILENT;
+    ceres::Solver::Summary summary;
+    ceres::Solve(ceres_options, &ceres_problem, &summary);
+    OptimizeReport report;
+    report.initial_cost = 2.0 * summary.initial_cost;
+    report.final_cost = 2.0 * summary.final_cost;
+    report.iterations = std::max(0, static_cast<int>(summary.iterations.size()) - 1);
+    report.anchors = anchors_;
+    report.num_components = num_components_;
+    report.termination = summary.termination_type == ceres::CONVERGENCE      ? Termination::Converged
+                         : summary.termination_type == ceres::NO_CONVERGENCE ? Termination::MaxIterations
+                                                                             : Termination::Failed;
+    if (report.termination == Termination::Failed) return report;
+    for (std::size_t v = 0; v < states_.size(); ++v) {
+      if (!std::binary_search(anchors_.begin(), anchors_.end(), v)) graph_.vertices[v].world_from_frame = pose_of(states_[v]);
+    }
+    return report;
+  }
+
+  /// s^2 of the edges with a switch, 0 of those left out, 1 of the others.
+  std::vector<double> weights() const {
+    std::vector<double> result = problem_.weights;
+    for (std::size_t e = 0; e < result.size(); ++e) {
+      if (problem_.has_switch[e]) result[e] = std::min(1.0, switches_[e] * switches_[e]);
+    }
+    return result;
+  }
+
+ private:
+  /// Quaternion (x y z w) and translation, or (x, y, yaw) in the first three.
+  using State = std::array<double, 7>;
+
+  State state_of(const Pose& pose) const {
+    const auto& [q, t] = pose;
+    if (graph_.dimension == 2) return {t.x(), t.y(), 2.0 * std::atan2(q.z(), q.w())};
+    return {q.x(), q.y(), q.z(), q.w(), t.x(), t.y(), t.z()};
+  }
+
+  Pose pose_of(const State& s) const {
+    if (graph_.dimension == 2) {
+      return {Eigen::Quaterniond(std::cos(0.5 * s[2]), 0.0, 0.0, std::sin(0.5 * s[2])), {s[0], s[1], 0.0}};
+    }
+    return {Eigen::Quaterniond(s[3], s[0], s[1], s[2]).normalized(), {s[4], s[5], s[6]}};
+  }
+
+  static ceres::Problem::Options problem_options() {
+    ceres::Problem::Options options;
+    options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    return options;
+  }
+
+  void build(ceres::Problem& ceres_problem, Objective objective) {
+    for (State& state : states_) {
+      if (graph_.dimension == 2) {
+        ceres_problem.AddParameterBlock(state.data(), 3);
+      } else {
+        ceres_problem.AddParameterBlock(state.data(), 4, &quaternion_);
+        ceres_problem.AddParameterBlock(state.data() + 4, 3);
+      }
+    }
+    PoseGraph used = graph_;
+    used.edges.clear();
+    for (std::size_t e = 0; e < graph_.edges.size(); ++e) {
+      if (problem_.weights[e] == 0.0) continue;
+      const Edge& edge = graph_.edges[e];
+      used.edges.push_back(edge);
+      double* const i = states_[edge.from].data();
+      double* const j = states_[edge.to].data();
+      std::vector<double*> blocks = graph_.dimension == 2 ? std::vector<double*>{i, j} : std::vector<double*>{i, i + 4, j, j + 4};
+      std::unique_ptr<ceres::CostFunction> residual = residuals::make_residual(edge, graph_.dimension, objective);
+      if (problem_.has_switch[e]) {
+        blocks.push_back(&switches_[e]);
+        residual = std::make_unique<SwitchedResidual>(std::move(residual), problem_.c2[e]);
+      }
+      ceres_problem.AddResidualBlock(residual.release(), nullptr, blocks);
+    }
+    const Components components = connected_components(used);
+    num_components_ = components.count;
+    anchors_ = find_anchors(used, components);
+    for (const std::size_t v : anchors_) {
+      ceres_problem.SetParameterBlockConstant(states_[v].data());
+      if (graph_.dimension == 3) ceres_problem.SetParameterBlockConstant(states_[v].data() + 4);
+    }
+  }
+
+  PoseGraph& graph_;
+  const SwitchableProblem& problem_;
+  ceres::EigenQuaternionManifold quaternion_;
+  std::vector<State> states_;
+  std::vector<double> switches_;
+  std::vector<std::size_t> anchors_;
+  std::size_t num_components_ = 0;
+};
+
+}  // namespace
+
+SwitchableResult solve_with_switches(PoseGraph& graph, const SwitchableProblem& problem, const OptimizeOptions& options) {
+  SwitchedSolve solve(graph, problem);
+  SwitchableResult result;
+  result.solve = solve.run(options);
+  result.weights = solve.weights();
+  return result;
+}
+
+}  // namespace fabloop

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "posegraph/optimize.h"
+#include "posegraph/pose_graph.h"
+
+namespace fabloop {
+
+/// How the doubted edges of a graph enter a solve.
+struct EdgeWeights {
+  /// Part of each edge's information that counts; an edge of weight 0 is left out.
+  std::vector<double> weights;
+  /// Edges that get the robust loss of the options; the others have none.
+  std::vector<bool> has_loss;
+};
+
+/// optimize() on the edges that have a weight, with their information scaled by it and, for the losses, divided by
+/// `noise_scale`. The report's edges are those edges.
+OptimizeReport solve_weighted(PoseGraph& graph, const EdgeWeights& edges, OptimizeOptions options, double noise_scale = 1.0);
+
+/// Squared whitened error of every edge as the graph stands, without weights or losses.
+std::vector<double> evaluate_chi2(const PoseGraph& graph, Objective objective);
+
+}  // namespace fabloop
