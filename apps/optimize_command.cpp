@@ -125,9 +125,10 @@ void add_optimize_command(CLI::App& program, const CommonOptions& common) {
       ->check(CLI::IsMember({"chordal", "rotation-vector", "quaternion"}))
       ->capture_default_str();
   command
-      ->add_option("--init", arguments->initialization,
-                   "poses to start from: as given, chained along a tree, the chordal relaxation, or whichever has the lowest cost; "
-                   "with --robust see --from-poses")
+      ->add_option(
+          "--init", arguments->initialization,
+          "poses to start from: as given, chained along a tree, the chordal relaxation, or whichever has the lowest cost; "
+          "with --robust see --from-poses")
       ->check(CLI::IsMember({"given", "tree", "chordal", "lowest"}))
       ->capture_default_str();
   add_robust_arguments(command, arguments->robust);

@@ -10,7 +10,7 @@
 
 #include "frontend/error.h"
 #include "posegraph/connectivity.h"
-#include "posegraph/residuals.h"
+#include "posegraph/residuals/residuals.h"
 
 namespace fabloop {
 namespace {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "verification/relative_pose.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <array>
@@ -20,6 +22,7 @@ namespace fabloop {
 namespace {
 
 using Vector5d = Eigen::Matrix<double, 5, 1>;
+using Matrix5d = Eigen::Matrix<double, 5, 5>;
 
 /// Two unit vectors that span the plane across `direction`.
 Eigen::Matrix<double, 3, 2> tangent_basis(const Eigen::Vector3d& direction) {
@@ -221,6 +224,36 @@ std::vector<std::size_t> where_possible(const std::vector<double>& p_true) {
   return indices;
 }
 
+/// The inverse covariance of a refined pose: never more certain than the noise says, nor than the jackknife. A few accidental
+/// inliers where the true ones say little bend the pose to themselves; the residuals hardly show it, but without each of them the
+/// pose would be elsewhere. That covariance is H^-1 (sum w J J^T (r / (1 - h))^2) H^-1 with the leverages h = w J^T H^-1 J
+/// (MacKinnon & White 1985, HC3); in the directions where it is larger by more than luck, it counts.
+Matrix5d information_of(std::span<const RayPair> pairs, std::span<const std::size_t> inliers, const Pose& match_from_query,
+                        const InlierNoise& noise) {
+  const double variance = noise.sigma_rad * noise.sigma_rad;
+  const Matrix5d hessian = linearise(pairs, inliers, match_from_query, noise.p_true).hessian;
+  const Eigen::LLT<Matrix5d> factor(hessian);
+  if (factor.info() != Eigen::Success) return hessian / variance;
+  constexpr double kMaxLeverage = 0.95;  // of a pair without which nothing would be known in some direction
+  Matrix5d scatter = Matrix5d::Zero();
+  for (const std::size_t i : inliers) {
+    const std::size_t index[] = {i};
+    const NormalEquations<5> one = linearise(pairs, index, match_from_query, noise.p_true);
+    const double leverage = std::min(kMaxLeverage, factor.solve(one.hessian).trace());
+    // gradient = w r J, so that its outer product over w is w r^2 J J^T.
+    scatter += one.gradient * one.gradient.transpose() / (noise.p_true[i] * (1 - leverage) * (1 - leverage));
+  }
+  // In coordinates in which the model's covariance is the identity.
+  const Matrix5d whitened = factor.matrixL().solve(factor.matrixL().solve(scatter).transpose()) / variance;
+  const Eigen::SelfAdjointEigenSolver<Matrix5d> eigen(0.5 * (whitened + whitened.transpose()));
+  // A variance estimated from n residuals has a relative standard deviation of sqrt(2 / n).
+  constexpr double kSigmas = 3.0;
+  const double luck = 1.0 + kSigmas * std::sqrt(2.0 / noise.num_true);
+  const Vector5d inflation = eigen.eigenvalues().unaryExpr([&](double ratio) { return ratio > luck ? ratio : 1.0; });
+  const Matrix5d root = factor.matrixL().toDenseMatrix() * eigen.eigenvectors();
+  return root * inflation.cwiseInverse().asDiagonal() * root.transpose() / variance;
+}
+
 /// Refines by expectation maximisation: which pairs are true, and the pose that these tell, in turn.
 std::optional<RelativePose> finish(std::span<const RayPair> pairs, Pose match_from_query, const RelativePoseOptions& options,
                                    int iterations) {
@@ -241,8 +274,7 @@ std::optional<RelativePose> finish(std::span<const RayPair> pairs, Pose match_fr
   RelativePose result;
   result.match_from_query = match_from_query;
   result.direction_basis = tangent_basis(match_from_query.translation);
-  const NormalEquations<5> normal = linearise(pairs, inliers, match_from_query, noise.p_true);
-  result.information = normal.hessian / (noise.sigma_rad * noise.sigma_rad);
+  result.information = information_of(pairs, inliers, match_from_query, noise);
   result.noise_rad = noise.sigma_rad;
   result.num_true = noise.num_true;
   result.inliers = std::move(inliers);
@@ -255,7 +287,8 @@ std::optional<RelativePose> finish(std::span<const RayPair> pairs, Pose match_fr
 RelativePose sharper_of(std::span<const RayPair> pairs, RelativePose found, const RelativePoseOptions& options) {
   constexpr double kSharper = 0.25;
   constexpr int kMaxIterations = 200;
-  if (found.noise_rad < kSharper * options.max_error_rad) return found;
+  constexpr double kSharpEnough = 0.1;
+  if (found.noise_rad < kSharpEnough * options.max_error_rad) return found;
   std::vector<RayPair> inliers;
   for (const std::size_t i : found.inliers) inliers.push_back(pairs[i]);
   RelativePoseOptions sharper = options;
@@ -264,8 +297,7 @@ RelativePose sharper_of(std::span<const RayPair> pairs, RelativePose found, cons
   const auto best = ransac(problem, {sharper.max_error_rad, options.confidence, kMaxIterations, options.seed, 0});
   if (!best) return found;
   auto rival = finish(pairs, best->model, options, found.iterations + best->iterations);
-  const bool is_better =
-      rival && log_likelihood(*rival, options.max_error_rad) > log_likelihood(found, options.max_error_rad);
+  const bool is_better = rival && log_likelihood(*rival, options.max_error_rad) > log_likelihood(found, options.max_error_rad);
   return is_better ? std::move(*rival) : found;
 }
 

@@ -52,9 +52,9 @@ std::optional<RelativePose> estimate_relative_pose(std::span<const RayPair> pair
 std::optional<RelativePose> refine_relative_pose(std::span<const RayPair> pairs, const Pose& match_from_query,
                                                  const RelativePoseOptions& options = {});
 
-/// Logarithm of the likelihood of the true pairs about a pose, their noise being as large as it turned out, over that of residuals
-/// at random within the threshold: the right one of two poses is often not the one with more inliers, but the one on which they
-/// lie closer.
+/// Logarithm of the likelihood of the true pairs about a pose, their noise being as large as it turned out, over that of
+/// residuals at random within the threshold: the right one of two poses is often not the one with more inliers, but the one on
+/// which they lie closer.
 double log_likelihood(const RelativePose& relative, double max_error_rad);
 
 /// The rotation alone that maps the query's rays onto the match's best (Kabsch 1976), robustly: what is left between two views

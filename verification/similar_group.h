@@ -20,9 +20,9 @@ struct SimilarGroupOptions {
 };
 
 /// The largest number of matches that one similarity of the image (shift, turn, growth) brings together: what Lowe's Hough
-/// clusters find (Lowe 2004, section 7.3), here over all pairs of matches. Accidental matches rarely make four; three or four true
-/// ones show a place long before an epipolar geometry stands out, which five accidental matches always have. It proves nothing:
-/// it says where a closer look is worth while. `matches` with the most distinctive first.
+/// clusters find (Lowe 2004, section 7.3), here over all pairs of matches. Accidental matches rarely make four; three or four
+/// true ones show a place long before an epipolar geometry stands out, which five accidental matches always have. It proves
+/// nothing: it says where a closer look is worth while. `matches` with the most distinctive first.
 std::size_t largest_similar_group(const Features& query, const Features& match, const std::vector<Match>& matches,
                                   const SimilarGroupOptions& options = {});
 

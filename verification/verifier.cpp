@@ -36,7 +36,13 @@ class Gates {
   /// `others` are matches that no pose was looked for among; they may tell another one.
   Gates(const View& query, const View& match, std::vector<Match> matches, std::vector<Match> others, const PairPrior& prior,
         const VerifierOptions& options)
-      : query_(query), match_(match), matches_(std::move(matches)), others_(std::move(others)), prior_(prior), options_(options), pairs_(ray_pairs(query, match, matches_)) {
+      : query_(query),
+        match_(match),
+        matches_(std::move(matches)),
+        others_(std::move(others)),
+        prior_(prior),
+        options_(options),
+        pairs_(ray_pairs(query, match, matches_)) {
     pose_options_.max_error_rad = options.max_error_px / match.camera.focal_px();
     pose_options_.confidence = options.confidence;
     pose_options_.max_iterations = options.max_iterations;
@@ -120,7 +126,8 @@ class Gates {
         return agrees_with(change, query_.features, match_.features, m, options_.consistency);
       }));
     };
-    return std::min(of_all, log10_false_alarms(count(matches_), count(result_.inliers), 5, p_accident, kFivePointModels)) + kTests;
+    return std::min(of_all, log10_false_alarms(count(matches_), count(result_.inliers), 5, p_accident, kFivePointModels)) +
+           kTests;
   }
 
   /// More matches along the epipolar lines of the pose. They agree with it by construction: they make it more certain, but count

@@ -56,10 +56,10 @@ struct VerifierOptions {
   double min_ray_inlier_ratio = 0.7;
   /// Largest standard deviation of the rotation, as a share of the field of view. Loops worse than this bend a map more than
   /// they mend it.
-  double max_rotation_sigma = 0.008;
-  double max_translation_sigma = 0.03;  ///< The same of the translation across its direction, as a share of the median depth.
-  double max_direction_sigma = 0.09;    ///< The same for loops without scale, as a share of the baseline too: radians.
-  double scale_sigma = 0.05;            ///< Relative standard deviation of the unit of length: the odometry's step error.
+  double max_rotation_sigma = 0.012;
+  double max_translation_sigma = 0.045;  ///< The same of the translation across its direction, as a share of the median depth.
+  double max_direction_sigma = 0.12;     ///< The same for loops without scale, as a share of the baseline too: radians.
+  double scale_sigma = 0.05;             ///< Relative standard deviation of the unit of length: the odometry's step error.
   /// Largest standard deviation of the distance between the views, as a share of the median depth. Loops between views further
   /// apart state a direction only.
   double max_distance_sigma = 0.035;

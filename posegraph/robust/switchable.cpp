@@ -12,7 +12,7 @@
 #include <memory>
 
 #include "posegraph/connectivity.h"
-#include "posegraph/residuals.h"
+#include "posegraph/residuals/residuals.h"
 #include "posegraph/robust/weighted_solve.h"
 
 namespace fabloop {

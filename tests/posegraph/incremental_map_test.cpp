@@ -15,6 +15,12 @@ namespace {
 /// Two solvers that stop when the cost no longer falls are this close to one another.
 constexpr double kSolverError = 1e-5;
 
+OptimizeOptions to_the_end() {
+  OptimizeOptions options;
+  options.cost_tolerance = 1e-12;
+  return options;
+}
+
 test::Circle noisy_circle(std::uint32_t seed) {
   test::CircleOptions options;
   options.num_vertices = 60;
@@ -44,8 +50,8 @@ TEST(IncrementalMap, FinishesWhereTheBatchDoes) {
   for (std::uint32_t seed = 1; seed <= 3; ++seed) {
     const test::Circle circle = noisy_circle(seed);
     PoseGraph batch = circle.graph;
-    optimize(batch);
-    IncrementalMap map = grow(circle, {});
+    optimize(batch, to_the_end());
+    IncrementalMap map = grow(circle, {.optimize = to_the_end()});
     map.finish();
     ASSERT_EQ(map.graph().vertices.size(), batch.vertices.size());
     EXPECT_LT(test::largest_distance(map.graph(), batch), kSolverError);
@@ -72,6 +78,7 @@ TEST(IncrementalMap, LongMapsMoveInPiecesAndFinishWhereTheBatchDoes) {
   PoseGraph batch = test::make_long_walk(walk);
   IncrementalOptions options;
   options.max_pieces = 60;
+  options.optimize = to_the_end();
   IncrementalMap map(options);
   std::size_t edge = 0;
   for (std::size_t v = 0; v < batch.vertices.size(); ++v) {
@@ -84,7 +91,7 @@ TEST(IncrementalMap, LongMapsMoveInPiecesAndFinishWhereTheBatchDoes) {
     }
   }
   const PoseGraph odometry = batch;
-  optimize(batch);
+  optimize(batch, to_the_end());
   // Within the walk's noise of the batch, step by step, and there in the end.
   EXPECT_LT(test::largest_distance(map.graph(), batch), 0.2 * test::largest_distance(odometry, batch));
   map.finish();

@@ -51,8 +51,8 @@ TEST(SpatiallyEven, TheFirstCoverTheImageTooTheStrongestOfEachCellBeforeTheOther
   const auto in_crowd = [&](std::size_t i) { return keypoints[i].pt.x <= 100; };
   EXPECT_LT(std::count_if(kept.begin(), kept.begin() + kFirstTurn, in_crowd), 15);
   EXPECT_GT(std::count_if(kept.begin(), kept.end(), in_crowd), 600);
-  const auto strongest = std::max_element(keypoints.begin(), keypoints.end(),
-                                          [](const auto& a, const auto& b) { return a.response < b.response; });
+  const auto strongest =
+      std::max_element(keypoints.begin(), keypoints.end(), [](const auto& a, const auto& b) { return a.response < b.response; });
   EXPECT_EQ(kept.front(), static_cast<std::size_t>(strongest - keypoints.begin()));
 }
 
