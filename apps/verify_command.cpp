@@ -150,6 +150,7 @@ void add_verifier_options(CLI::App* command, VerifierOptions& options) {
   command->add_option("--max-error-px", options.max_error_px, "largest epipolar error of an inlier")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  command->add_flag("--guided", options.guided, "more matches along the epipolar lines of a pose that is proven but uncertain");
   command->add_option("--seed", options.seed, "another number: other samples")->capture_default_str();
 }
 

@@ -43,20 +43,20 @@ void add_gates(const Verification& found, const VerifierOptions& options, Figure
   const bool has_pose = found.num_inliers > 0;
   const bool is_no_accident =
       has_pose && found.num_inliers >= options.min_inliers && found.log10_false_alarms <= options.max_log10_false_alarms;
-  const bool is_spread = is_no_accident && found.inlier_area >= options.min_inlier_area;
-  const bool is_single = is_spread && found.num_second_inliers < options.max_second_support * found.num_true;
-  const bool is_decided = is_single && found.rotation_sigma_deg > 0;
+  const bool is_single = is_no_accident && found.num_second_inliers < options.max_second_support * found.num_true;
+  const bool is_spread = is_single && found.inlier_area >= options.min_inlier_area;
+  const bool is_decided = is_spread && found.rotation_sigma_deg > 0;
   list.add("looks", "2: with all features, where the first ones prove nothing", true, found.num_looks);
   list.add("matches", "features that look alike", true, found.num_matches, Wanted::AtLeast, options.min_matches);
   list.add("inliers", "matches that agree with the pose", has_pose, found.num_inliers, Wanted::AtLeast, options.min_inliers);
   list.add("true_inliers", "inliers that are true, by their scatter", has_pose, found.num_true);
   list.add("log10_false_alarms", "models as good that accidents would make, as a power of ten", has_pose,
            found.log10_false_alarms, Wanted::AtMost, options.max_log10_false_alarms);
-  list.add("inlier_area", "share of the image inside the inliers' hull", is_no_accident, found.inlier_area, Wanted::AtLeast,
-           options.min_inlier_area);
-  list.add("second_support", "inliers of another pose among the left matches, over the true ones", is_spread,
+  list.add("second_support", "inliers of another pose among the left matches, over the true ones", is_no_accident,
            found.num_second_inliers / std::max(1.0, found.num_true), Wanted::AtMost, options.max_second_support);
-  list.add("rotation_share", "share of the inliers that a rotation alone explains", is_single, found.rotation_share,
+  list.add("inlier_area", "share of the image inside the inliers' hull", is_single, found.inlier_area, Wanted::AtLeast,
+           options.min_inlier_area);
+  list.add("rotation_share", "share of the inliers that a rotation alone explains", is_spread, found.rotation_share,
            found.num_point_inliers > 0 ? Wanted::Anything : Wanted::AtMost, options.max_rotation_share);
   if (found.planar_lead) {
     list.add("planar_lead", "how much likelier than a plane's other pose, as a logarithm", true, *found.planar_lead,
