@@ -19,6 +19,7 @@
 #include "posegraph/connectivity.h"
 #include "posegraph/information.h"
 #include "posegraph/residuals/graph_costs.h"
+#include "posegraph/residuals/sparse_solver.h"
 #include "posegraph/residuals/yaw_manifold.h"
 #include "posegraph/solver_state.h"
 
@@ -161,16 +162,8 @@ void add_costs(const PoseGraph& graph, const GraphCosts& costs, std::vector<Stat
 }
 
 ceres::Solver::Options solver_options(const OptimizeOptions& options, Initialization start) {
-  ceres::Solver::Options result;
-  result.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  result.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
-  // Sums over threads would come out in another order each time.
-  result.num_threads = 1;
-  result.max_num_iterations = options.max_iterations;
-  result.function_tolerance = options.cost_tolerance;
-  result.gradient_tolerance = 0.0;
+  ceres::Solver::Options result = residuals::sparse_solver_options(options);
   result.parameter_tolerance = 1e-14;
-  result.logging_type = ceres::SILENT;
   // Near the optimum damping only holds up the bends that are as long as the map: take Gauss-Newton steps first.
   constexpr double kHardlyDamped = 1e10;
   if (start == Initialization::Chordal) result.initial_trust_region_radius = kHardlyDamped;
@@ -192,19 +185,20 @@ void initialize(PoseGraph& graph, Initialization initialization) {
   if (initialization != Initialization::AsGiven) move_to_priors(graph);
 }
 
-/// Puts the graph at its start and says which one that is.
-Initialization choose_start(PoseGraph& graph, const OptimizeOptions& options) {
+/// Puts the graph at its start and says which one that is; `given_cost` is that of the poses given.
+Initialization choose_start(PoseGraph& graph, const GraphCosts& costs, double given_cost, const OptimizeOptions& options) {
   if (options.initialization != Initialization::LowestCost) {
     initialize(graph, options.initialization);
     return options.initialization;
   }
   Initialization best = Initialization::AsGiven;
-  double lowest_cost = evaluate_cost(graph, options);
+  double lowest_cost = given_cost;
   const PoseGraph given = graph;
   for (const Initialization candidate : {Initialization::SpanningTree, Initialization::Chordal}) {
     PoseGraph start = given;
     initialize(start, candidate);
-    const double cost = evaluate_cost(start, options);
+    std::vector<State> states = read_states(start);
+    const double cost = costs.sum(costs.evaluate_edges(states), costs.evaluate_priors(states));
     if (cost >= lowest_cost) continue;
     best = candidate;
     lowest_cost = cost;
@@ -246,7 +240,7 @@ OptimizeReport optimize(PoseGraph& graph, const OptimizeOptions& options) {
   if (says_nothing || report.anchors.size() == graph.vertices.size()) return report;
 
   const std::vector<Vertex> given = graph.vertices;
-  report.start = choose_start(graph, options);
+  report.start = choose_start(graph, costs, report.initial_cost, options);
   states = read_states(graph);
   solve(graph, costs, options, states, report);
   if (report.termination == Termination::Failed) {

@@ -17,6 +17,7 @@
 #include "posegraph/certificate_matrix.h"
 #include "posegraph/connection_laplacian.h"
 #include "posegraph/residuals/lifted_residual.h"
+#include "posegraph/residuals/sparse_solver.h"
 #include "posegraph/residuals/stiefel_manifold.h"
 
 namespace fabloop {
@@ -77,16 +78,8 @@ void descend(const PoseGraph& graph, const OptimizeOptions& options, Eigen::Matr
     problem.SetParameterBlockConstant(rotation(v));
     problem.SetParameterBlockConstant(translation(v));
   }
-  ceres::Solver::Options solver_options;
-  solver_options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  solver_options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
-  solver_options.num_threads = 1;
-  solver_options.max_num_iterations = options.max_iterations;
-  solver_options.function_tolerance = options.cost_tolerance;
-  solver_options.gradient_tolerance = 0.0;
-  solver_options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
-  ceres::Solve(solver_options, &problem, &summary);
+  ceres::Solve(residuals::sparse_solver_options(options), &problem, &summary);
 }
 
 /// Rotations and translations of d rows from those of more: the best d-dimensional subspace, then the nearest rotations (Rosen et

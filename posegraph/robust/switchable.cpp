@@ -7,13 +7,14 @@
 #include <ceres/solver.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <memory>
 
 #include "posegraph/connectivity.h"
 #include "posegraph/residuals/residuals.h"
+#include "posegraph/residuals/sparse_solver.h"
 #include "posegraph/robust/weighted_solve.h"
+#include "posegraph/solver_state.h"
 
 namespace fabloop {
 namespace {
@@ -62,18 +63,11 @@ class SwitchedSolve {
       : graph_(graph), problem_(problem), switches_(graph.edges.size(), 1.0) {}
 
   OptimizeReport run(const OptimizeOptions& options) {
-    for (const Vertex& vertex : graph_.vertices) states_.push_back(state_of(vertex.world_from_frame));
+    states_ = read_states(graph_);
     ceres::Problem ceres_problem(problem_options());
     build(ceres_problem, options.objective);
-    ceres::Solver::Options ceres_options;
-    ceres_options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-    ceres_options.num_threads = 1;
-    ceres_options.max_num_iterations = options.max_iterations;
-    ceres_options.function_tolerance = options.cost_tolerance;
-    ceres_options.gradient_tolerance = 0.0;
-    ceres_options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
-    ceres::Solve(ceres_options, &ceres_problem, &summary);
+    ceres::Solve(residuals::sparse_solver_options(options), &ceres_problem, &summary);
     OptimizeReport report;
     report.initial_cost = 2.0 * summary.initial_cost;
     report.final_cost = 2.0 * summary.final_cost;
@@ -85,7 +79,9 @@ class SwitchedSolve {
                                                                              : Termination::Failed;
     if (report.termination == Termination::Failed) return report;
     for (std::size_t v = 0; v < states_.size(); ++v) {
-      if (!std::binary_search(anchors_.begin(), anchors_.end(), v)) graph_.vertices[v].world_from_frame = pose_of(states_[v]);
+      if (!std::binary_search(anchors_.begin(), anchors_.end(), v)) {
+        graph_.vertices[v].world_from_frame = pose_from_state(states_[v], graph_.dimension);
+      }
     }
     return report;
   }
@@ -100,22 +96,6 @@ class SwitchedSolve {
   }
 
  private:
-  /// Quaternion (x y z w) and translation, or (x, y, yaw) in the first three.
-  using State = std::array<double, 7>;
-
-  State state_of(const Pose& pose) const {
-    const auto& [q, t] = pose;
-    if (graph_.dimension == 2) return {t.x(), t.y(), 2.0 * std::atan2(q.z(), q.w())};
-    return {q.x(), q.y(), q.z(), q.w(), t.x(), t.y(), t.z()};
-  }
-
-  Pose pose_of(const State& s) const {
-    if (graph_.dimension == 2) {
-      return {Eigen::Quaterniond(std::cos(0.5 * s[2]), 0.0, 0.0, std::sin(0.5 * s[2])), {s[0], s[1], 0.0}};
-    }
-    return {Eigen::Quaterniond(s[3], s[0], s[1], s[2]).normalized(), {s[4], s[5], s[6]}};
-  }
-
   static ceres::Problem::Options problem_options() {
     ceres::Problem::Options options;
     options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
@@ -137,9 +117,7 @@ class SwitchedSolve {
       if (problem_.weights[e] == 0.0) continue;
       const Edge& edge = graph_.edges[e];
       used.edges.push_back(edge);
-      double* const i = states_[edge.from].data();
-      double* const j = states_[edge.to].data();
-      std::vector<double*> blocks = graph_.dimension == 2 ? std::vector<double*>{i, j} : std::vector<double*>{i, i + 4, j, j + 4};
+      std::vector<double*> blocks = blocks_of(edge, graph_.dimension, states_);
       std::unique_ptr<ceres::CostFunction> residual = residuals::make_residual(edge, graph_.dimension, objective);
       if (problem_.has_switch[e]) {
         blocks.push_back(&switches_[e]);
