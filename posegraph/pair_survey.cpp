@@ -22,21 +22,34 @@ struct SurveyedView {
   View view;
 };
 
-/// Depths from neighbours, as LoopCloser finds them keyframe by keyframe.
+/// The neighbours of one view, as LoopCloser sees them keyframe by keyframe; RecentNeighbour::recent is the view's index.
+std::vector<RecentNeighbour> neighbours_of(std::size_t current, const std::vector<View>& views, const Sequence& sequence,
+                                           const PairSurveyOptions& options) {
+  const auto& world_from_current = sequence.frames[views[current].frame].odom_from_camera;
+  if (!world_from_current) return {};
+  std::vector<RecentView> recent;
+  std::vector<std::size_t> indices;
+  for (std::size_t distance = 1; distance <= options.max_neighbour_distance && distance <= current; distance *= 2) {
+    const View& earlier = views[current - distance];
+    const auto& world_from_earlier = sequence.frames[earlier.frame].odom_from_camera;
+    if (!world_from_earlier) continue;
+    recent.push_back({&earlier, world_from_earlier->inverse() * *world_from_current});
+    indices.push_back(current - distance);
+  }
+  NeighbourOptions neighbour = options.neighbour;
+  neighbour.seed = options.verifier.seed;
+  auto found = see_recent(recent, views[current], options.num_neighbours, neighbour);
+  for (RecentNeighbour& f : found) f.recent = indices[f.recent];
+  return found;
+}
+
+/// Depths from neighbours.
 void link_neighbours_of(std::vector<View>& views, const Sequence& sequence, const PairSurveyOptions& options) {
+  std::vector<std::vector<RecentNeighbour>> neighbours(views.size());
+  parallel_for(views.size(), options.num_threads,
+               [&](std::size_t current) { neighbours[current] = neighbours_of(current, views, sequence, options); });
   for (std::size_t current = 0; current < views.size(); ++current) {
-    const auto& world_from_current = sequence.frames[views[current].frame].odom_from_camera;
-    std::size_t num_links = 0;
-    for (std::size_t distance = 1; distance <= options.max_neighbour_distance && distance <= current; distance *= 2) {
-      View& earlier = views[current - distance];
-      const auto& world_from_earlier = sequence.frames[earlier.frame].odom_from_camera;
-      if (num_links == options.num_neighbours) break;
-      if (!world_from_current || !world_from_earlier) continue;
-      NeighbourOptions neighbour = options.neighbour;
-      neighbour.seed = pair_seed(options.verifier.seed, views[current].frame, earlier.frame);
-      num_links +=
-          link_neighbours(earlier, views[current], world_from_earlier->inverse() * *world_from_current, neighbour).has_value();
-    }
+    for (const RecentNeighbour& n : neighbours[current]) give_depths(views[n.recent], views[current], n.seen);
   }
 }
 

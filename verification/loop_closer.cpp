@@ -134,19 +134,23 @@ void LoopCloser::add_place(const Observation& words, bool follows_last) {
 void LoopCloser::link_to_earlier(LoopEvent& event) {
   const Stopwatch watch(event.times.neighbour_s);
   const std::size_t current = map_.keyframes.size() - 1;
-  event.changed.push_back(current);
+  MapKeyframe& now = map_.keyframes[current];
+  const Pose odom_from_camera = now.odom_from_body * options_.body_from_camera;
+  std::vector<RecentView> recent;
+  std::vector<std::size_t> keyframes;
   for (std::size_t distance = 1; distance <= options_.max_neighbour_distance && distance < num_of_this_session(); distance *= 2) {
-    if (event.neighbours.size() == options_.num_neighbours) break;
-    MapKeyframe& earlier = map_.keyframes[current - distance];
-    MapKeyframe& now = map_.keyframes[current];
-    NeighbourOptions options = options_.neighbour;
-    options.seed = pair_seed(options_.verifier.seed, now.view.frame, earlier.view.frame);
-    const Pose& body_from_camera = options_.body_from_camera;
-    const Pose earlier_from_now = (earlier.odom_from_body * body_from_camera).inverse() * (now.odom_from_body * body_from_camera);
-    const auto link = link_neighbours(earlier.view, now.view, earlier_from_now, options);
-    if (!link) continue;
-    event.neighbours.push_back(*link);
-    event.changed.push_back(current - distance);
+    const MapKeyframe& earlier = map_.keyframes[current - distance];
+    recent.push_back({&earlier.view, (earlier.odom_from_body * options_.body_from_camera).inverse() * odom_from_camera});
+    keyframes.push_back(current - distance);
+  }
+  NeighbourOptions options = options_.neighbour;
+  options.seed = options_.verifier.seed;
+  event.changed.push_back(current);
+  for (const RecentNeighbour& neighbour : see_recent(recent, now.view, options_.num_neighbours, options, options_.num_threads)) {
+    const std::size_t earlier = keyframes[neighbour.recent];
+    give_depths(map_.keyframes[earlier].view, now.view, neighbour.seen);
+    event.neighbours.push_back(neighbour.seen.link);
+    event.changed.push_back(earlier);
   }
 }
 

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "verification/neighbour.h"
 
+#include <algorithm>
+#include <utility>
 #include <vector>
 
+#include "frontend/parallel.h"
 #include "verification/edge_information.h"
+#include "verification/pair_seed.h"
 #include "verification/ray_pairs.h"
 #include "verification/relative_pose.h"
 
@@ -23,26 +27,24 @@ std::optional<RelativePose> relative_pose_near(const std::vector<RayPair>& pairs
   return as_good ? near : best;
 }
 
-int triangulate_inliers(View& previous, View& current, const std::vector<Match>& matches, const std::vector<RayPair>& pairs,
-                        const RelativePose& relative, const Pose& previous_from_current, const TriangulationOptions& options) {
-  const Pose current_from_previous = previous_from_current.inverse();
-  int num_points = 0;
+std::vector<NeighbourPoint> triangulate_inliers(const std::vector<Match>& matches, const std::vector<RayPair>& pairs,
+                                                const RelativePose& relative, const Pose& previous_from_current,
+                                                const TriangulationOptions& options) {
+  std::vector<NeighbourPoint> points;
   for (const std::size_t i : relative.inliers) {
     const auto x_in_previous = triangulate(pairs[i].match, pairs[i].query, previous_from_current, options);
     if (!x_in_previous) continue;
     const double parallax_rad = angle_between(*x_in_previous, *x_in_previous - previous_from_current.translation);
-    add_point_measurement(previous, static_cast<std::size_t>(matches[i].match), *x_in_previous, parallax_rad);
-    add_point_measurement(current, static_cast<std::size_t>(matches[i].query), current_from_previous * *x_in_previous,
-                          parallax_rad);
-    ++num_points;
+    points.push_back(
+        {static_cast<std::size_t>(matches[i].match), static_cast<std::size_t>(matches[i].query), *x_in_previous, parallax_rad});
   }
-  return num_points;
+  return points;
 }
 
 }  // namespace
 
-std::optional<NeighbourLink> link_neighbours(View& previous, View& current, const Pose& previous_from_current_odometry,
-                                             const NeighbourOptions& options) {
+std::optional<SeenNeighbour> see_neighbour(const View& previous, const View& current, const Pose& previous_from_current_odometry,
+                                           const NeighbourOptions& options) {
   const double baseline = previous_from_current_odometry.translation.norm();
   const std::vector<Match> matches = match_features(current.features, previous.features, options.matching);
   if (static_cast<int>(matches.size()) < options.min_inliers || baseline <= 0) return std::nullopt;
@@ -50,12 +52,13 @@ std::optional<NeighbourLink> link_neighbours(View& previous, View& current, cons
   RelativePoseOptions pose_options;
   pose_options.max_error_rad = options.max_error_px / previous.camera.focal_px();
   pose_options.max_iterations = options.max_iterations;
-  pose_options.seed = options.seed;
+  pose_options.seed = pair_seed(options.seed, current.frame, previous.frame);
   const auto relative = relative_pose_near(pairs, previous_from_current_odometry, pose_options);
   if (!relative || static_cast<int>(relative->inliers.size()) < options.min_inliers) return std::nullopt;
 
   const Pose& seen = relative->match_from_query;
-  NeighbourLink link;
+  SeenNeighbour result;
+  NeighbourLink& link = result.link;
   link.previous = previous.frame;
   link.rotation_error_deg = deg_from_rad(seen.rotation.angularDistance(previous_from_current_odometry.rotation));
   link.direction_error_deg = deg_from_rad(angle_between(seen.translation, previous_from_current_odometry.translation));
@@ -67,9 +70,44 @@ std::optional<NeighbourLink> link_neighbours(View& previous, View& current, cons
   link.previous_from_current = {seen.rotation, baseline * seen.translation};
   link.information = direction_edge_information(*relative).information;
   link.num_inliers = static_cast<int>(relative->inliers.size());
-  link.num_points =
-      triangulate_inliers(previous, current, matches, pairs, *relative, link.previous_from_current, options.triangulation);
-  return link;
+  result.points = triangulate_inliers(matches, pairs, *relative, link.previous_from_current, options.triangulation);
+  link.num_points = static_cast<int>(result.points.size());
+  return result;
+}
+
+void give_depths(View& previous, View& current, const SeenNeighbour& seen) {
+  const Pose current_from_previous = seen.link.previous_from_current.inverse();
+  for (const NeighbourPoint& point : seen.points) {
+    add_point_measurement(previous, point.previous_feature, point.x_in_previous, point.parallax_rad);
+    add_point_measurement(current, point.current_feature, current_from_previous * point.x_in_previous, point.parallax_rad);
+  }
+}
+
+std::optional<NeighbourLink> link_neighbours(View& previous, View& current, const Pose& previous_from_current_odometry,
+                                             const NeighbourOptions& options) {
+  const auto seen = see_neighbour(previous, current, previous_from_current_odometry, options);
+  if (!seen) return std::nullopt;
+  give_depths(previous, current, *seen);
+  return seen->link;
+}
+
+std::vector<RecentNeighbour> see_recent(std::span<const RecentView> recent, const View& current, std::size_t max_links,
+                                        const NeighbourOptions& options, int num_threads) {
+  std::vector<RecentNeighbour> found;
+  std::size_t next = 0;
+  while (found.size() < max_links && next < recent.size()) {
+    // As many as are still wanted: those that one thread would look at, too.
+    std::vector<std::optional<SeenNeighbour>> seen(std::min(max_links - found.size(), recent.size() - next));
+    parallel_for(seen.size(), num_threads, [&](std::size_t i) {
+      const RecentView& earlier = recent[next + i];
+      seen[i] = see_neighbour(*earlier.view, current, earlier.recent_from_current, options);
+    });
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      if (seen[i]) found.push_back({next + i, std::move(*seen[i])});
+    }
+    next += seen.size();
+  }
+  return found;
 }
 
 }  // namespace fabloop

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "frontend/geometry/pose.h"
 #include "verification/matching.h"
@@ -37,11 +40,48 @@ struct NeighbourLink {
   double direction_error_deg = 0;  ///< The same for the direction of travel.
 };
 
+/// A feature that two neighbours see, and where it is.
+struct NeighbourPoint {
+  std::size_t previous_feature = 0;
+  std::size_t current_feature = 0;
+  Eigen::Vector3d x_in_previous = Eigen::Vector3d::Zero();
+  double parallax_rad = 0;
+};
+
+/// How two neighbours relate, with the depths that follow from it.
+struct SeenNeighbour {
+  NeighbourLink link;
+  std::vector<NeighbourPoint> points;
+};
+
 /// Relates two neighbours by their images, starting from the odometry between them (which chooses among the two poses of a
-/// plane), and gives the features that both see a depth, with the odometry's baseline as the unit of length (see
-/// add_point_measurement() for features that have one already). None when the images do not show
-/// enough, contradict the odometry, or have no parallax; then no depth changes.
+/// plane), and triangulates the features that both see, with the odometry's baseline as the unit of length. None when the images
+/// do not show enough, contradict the odometry, or have no parallax. The seed of the pair is options.seed's for its frames.
+std::optional<SeenNeighbour> see_neighbour(const View& previous, const View& current, const Pose& previous_from_current_odometry,
+                                           const NeighbourOptions& options = {});
+
+/// Gives the features of a pair the depths that it shows (see add_point_measurement() for features that have one already).
+void give_depths(View& previous, View& current, const SeenNeighbour& seen);
+
+/// Both of these, one after the other.
 std::optional<NeighbourLink> link_neighbours(View& previous, View& current, const Pose& previous_from_current_odometry,
                                              const NeighbourOptions& options = {});
+
+/// A view taken shortly before another, and the odometry between them.
+struct RecentView {
+  const View* view = nullptr;
+  Pose recent_from_current;
+};
+
+/// One of them that the images relate to the current view.
+struct RecentNeighbour {
+  std::size_t recent = 0;  ///< Index into the recent views.
+  SeenNeighbour seen;
+};
+
+/// The first `max_links` of the recent views, in their order, that the images relate to the current one. On up to `num_threads`
+/// threads (0: all), without effect on the result.
+std::vector<RecentNeighbour> see_recent(std::span<const RecentView> recent, const View& current, std::size_t max_links,
+                                        const NeighbourOptions& options = {}, int num_threads = 1);
 
 }  // namespace fabloop

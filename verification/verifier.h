@@ -120,7 +120,4 @@ class Verifier {
   VerifierOptions options_;
 };
 
-/// A seed for one pair of frames.
-std::uint64_t pair_seed(std::uint64_t seed, std::size_t query, std::size_t match);
-
 }  // namespace fabloop

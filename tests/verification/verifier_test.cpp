@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 
 #include "tests/verification/two_view_world.h"
+#include "verification/pair_seed.h"
 #include "verification/planar_ambiguity.h"
 
 namespace fabloop {
