@@ -6,6 +6,7 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -29,6 +30,7 @@ using nlohmann::ordered_json;
 struct VerifyArguments {
   std::string query, match;
   std::string camera, match_camera;
+  std::optional<double> height, match_height;
   std::string out, picture;
   FeatureArguments features;
   VerifierOptions verifier;
@@ -119,8 +121,10 @@ void run_verify(const VerifyArguments& arguments) {
   }
   const FeatureExtractor extractor(asked_features(arguments.features));
   const std::string& match_camera = arguments.match_camera.empty() ? arguments.camera : arguments.match_camera;
-  const SeenView query = see(1, arguments.query, arguments.camera, extractor);
-  const SeenView match = see(0, arguments.match, match_camera, extractor);
+  SeenView query = see(1, arguments.query, arguments.camera, extractor);
+  SeenView match = see(0, arguments.match, match_camera, extractor);
+  query.view.height_above_ground = arguments.height;
+  match.view.height_above_ground = arguments.match_height;
   const Verification found = Verifier(arguments.verifier).verify(query.view, match.view);
   const std::vector<PairFigure> figures = pair_figures(query.view, match.view, found, arguments.verifier);
   const ordered_json json = to_json(arguments, found, figures);
@@ -163,6 +167,11 @@ void add_verify_command(CLI::App& program) {
   command->add_option("B", arguments->match, "the image it may match: the pose is that of A in B")->required();
   command->add_option("--camera", arguments->camera, "calibration file of the camera (ROS, OpenCV, Kalibr, EuRoC)")->required();
   command->add_option("--camera-b", arguments->match_camera, "that of B's camera, where it is another one");
+  command
+      ->add_option("--height", arguments->height, "metres that A's camera was above the ground: the scale, where that is a plane")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--height-b", arguments->match_height, "the same of B's camera; either will do")
+      ->check(CLI::PositiveNumber);
   command->add_option("--picture", arguments->picture,
                       "PNG file to draw to: inliers green, rejected matches red, and epipolar lines");
   command->add_option("--out", arguments->out, "folder to write pair.png and verification.json to");

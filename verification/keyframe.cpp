@@ -105,6 +105,13 @@ void validate_depth(const Keyframe& keyframe, const Camera& camera) {
   }
 }
 
+void validate_height(const Keyframe& keyframe) {
+  const auto& height = keyframe.height_above_ground;
+  if (height && !(std::isfinite(*height) && *height > 0.0)) {
+    fail(keyframe, "its height above ground must be positive; leave it empty where it is unknown");
+  }
+}
+
 /// Depth [m] at the pixel next to the keypoint; none where the image does not know it.
 std::optional<double> depth_at(const Keyframe& keyframe, const cv::Point2f& pixel) {
   const cv::Mat& depth = keyframe.depth;
@@ -148,6 +155,7 @@ void validate(const Keyframe& keyframe, const Camera& camera, DescriptorKind des
   if (keyframe.features) validate_features(keyframe, descriptor_kind);
   validate_points(keyframe);
   validate_depth(keyframe, camera);
+  validate_height(keyframe);
 }
 
 void require_follows(const Keyframe& keyframe, std::size_t last_frame, std::int64_t last_time_ns) {
@@ -162,6 +170,7 @@ void require_follows(const Keyframe& keyframe, std::size_t last_frame, std::int6
 
 View view_of(const Keyframe& keyframe, const Camera& camera, Features features, double point_sigma) {
   View view = make_view(keyframe.frame, camera, std::move(features));
+  view.height_above_ground = keyframe.height_above_ground;
   if (keyframe.points_in_camera.empty() && keyframe.depth.empty()) return view;
   if (!keyframe.points_in_camera.empty()) require_on_rays(keyframe, view);
   const auto points = keyframe.depth.empty() ? keyframe.points_in_camera : points_by_depth(keyframe, view);

@@ -31,6 +31,9 @@ struct Keyframe {
   /// and what is not finite mean unknown.
   cv::Mat depth{};
   double depth_unit_m = 0.001;  ///< Metres a unit of a 16-bit depth image; 0.0002 for TUM RGB-D.
+  /// Height of the camera above the ground (laser, sonar, barometer over level ground), in the odometry's unit of length: gives
+  /// loops over a plane their scale where points do not.
+  std::optional<double> height_above_ground{};
 };
 
 /// Throws InputError that names the keyframe, what is inconsistent in it, and how to mend it. Features must have descriptors of

@@ -116,6 +116,7 @@ std::string row_of(const MapKeyframe& keyframe) {
   std::vector<double> covariance;
   if (keyframe.step_covariance) covariance.assign(keyframe.step_covariance->data(), keyframe.step_covariance->data() + 36);
   bytes.put(covariance);
+  bytes.put(keyframe.view.height_above_ground.value_or(0.0));  // heights are positive
   bytes.put(keyframe.words.words);
   put(bytes, keyframe.view.features);
   return bytes.bytes();
@@ -130,6 +131,8 @@ MapKeyframe keyframe_of(std::string_view row, const Camera& camera) {
   bytes.take(keyframe.time_ns);
   keyframe.odom_from_body = take_pose(bytes);
   bytes.take(covariance);
+  double height = 0;
+  bytes.take(height);
   bytes.take(keyframe.words.words);
   Features features = take_features(bytes);
   require_end(bytes);
@@ -139,6 +142,8 @@ MapKeyframe keyframe_of(std::string_view row, const Camera& camera) {
     throw StateDamaged();
   }
   keyframe.view = make_view(frame, camera, std::move(features));
+  if (!(std::isfinite(height) && height >= 0.0)) throw StateDamaged();
+  if (height > 0.0) keyframe.view.height_above_ground = height;
   return keyframe;
 }
 

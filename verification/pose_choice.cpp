@@ -49,16 +49,17 @@ double least_lead(const std::vector<PoseCandidate>& candidates, std::size_t c) {
 }  // namespace
 
 PoseChoice choose_pose(const View& query, const View& match, const std::vector<Match>& matches, std::span<const RayPair> pairs,
-                       RelativePose relative, const RelativePoseOptions& pose_options, const ScaleOptions& scale_options,
-                       const std::optional<PosePrior>& prior) {
-  PlanarScene scene = planar_scene(pairs, relative, pose_options);
+                       RelativePose relative, const PoseChoiceOptions& options, const std::optional<PosePrior>& prior) {
+  PlanarScene scene = planar_scene(pairs, relative, options.pose);
   std::vector<PoseCandidate> candidates;
   candidates.push_back({std::move(relative), {}, 0, 0});
   for (RelativePose& rival : scene.rivals) candidates.push_back({std::move(rival), {}, 0, 0});
   for (PoseCandidate& candidate : candidates) {
-    candidate.scale = estimate_scale(query, match, inlier_matches(matches, candidate.relative),
-                                     candidate.relative.match_from_query, scale_options);
-    candidate.ray_score = log_likelihood(candidate.relative, pose_options.max_error_rad);
+    const std::vector<Match> inliers = inlier_matches(matches, candidate.relative);
+    const Pose& pose = candidate.relative.match_from_query;
+    candidate.scale = estimate_scale(query, match, inliers, pose, options.scale);
+    if (!candidate.scale) candidate.scale = estimate_plane_scale(query, match, inliers, pose, options.plane_scale);
+    candidate.ray_score = log_likelihood(candidate.relative, options.pose.max_error_rad);
     candidate.other_score = other_log_likelihood(candidate, prior);
   }
   std::size_t best = 0;

@@ -8,6 +8,7 @@
 
 #include "frontend/geometry/pose.h"
 #include "verification/matching.h"
+#include "verification/plane_scale.h"
 #include "verification/relative_pose.h"
 #include "verification/scale.h"
 #include "verification/view.h"
@@ -21,12 +22,18 @@ struct PosePrior {
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Identity();
 };
 
-/// One of the poses that explain a pair of views, with what the points say to it.
+struct PoseChoiceOptions {
+  RelativePoseOptions pose;
+  ScaleOptions scale;             ///< By points.
+  PlaneScaleOptions plane_scale;  ///< By heights, where points do not tell it.
+};
+
+/// One of the poses that explain a pair of views.
 struct PoseCandidate {
   RelativePose relative;
-  std::optional<Scale> scale;
-  double ray_score = 0;    ///< Logarithm of the likelihood of its true pairs, up to a constant.
-  double other_score = 0;  ///< The same of the points and of the prior.
+  std::optional<Scale> scale;  ///< What the points say of it, or the heights.
+  double ray_score = 0;        ///< Logarithm of the likelihood of its true pairs, up to a constant.
+  double other_score = 0;      ///< The same of the points and of the prior.
 };
 
 /// The poses that explain a pair of views.
@@ -42,8 +49,7 @@ inline constexpr double kMinLead = 5.0;
 /// The relative pose or one that a plane would explain as well. Rays lie by luck closer on one of two poses that explain them
 /// alike: what counts is by how much more than three standard deviations of such luck.
 PoseChoice choose_pose(const View& query, const View& match, const std::vector<Match>& matches, std::span<const RayPair> pairs,
-                       RelativePose relative, const RelativePoseOptions& pose_options, const ScaleOptions& scale_options,
-                       const std::optional<PosePrior>& prior);
+                       RelativePose relative, const PoseChoiceOptions& options, const std::optional<PosePrior>& prior);
 
 /// Squared Mahalanobis distance of a pose from a prior.
 double squared_distance(const Pose& match_from_query, const PosePrior& prior);

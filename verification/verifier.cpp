@@ -73,7 +73,8 @@ class Gates {
 
   /// The pose, or another of the same plane, and its inliers.
   void choose(RelativePose found) {
-    choice_ = choose_pose(query_, match_, matches_, pairs_, std::move(found), pose_options_, options_.scale, prior_.pose);
+    choice_ = choose_pose(query_, match_, matches_, pairs_, std::move(found),
+                          {pose_options_, options_.scale, options_.plane_scale}, prior_.pose);
     const RelativePose& relative = choice_.chosen.relative;
     result_.inliers.clear();
     for (const std::size_t i : relative.inliers) result_.inliers.push_back(matches_[i]);

@@ -11,6 +11,7 @@
 #include "frontend/geometry/pose.h"
 #include "verification/match_consistency.h"
 #include "verification/matching.h"
+#include "verification/plane_scale.h"
 #include "verification/pose_choice.h"
 #include "verification/scale.h"
 #include "verification/similar_group.h"
@@ -50,6 +51,7 @@ struct VerifierOptions {
   /// Inliers that a rotation alone may explain, as a share: above it the views have no parallax.
   double max_rotation_share = 0.8;
   ScaleOptions scale;
+  PlaneScaleOptions plane_scale;  ///< Where no points tell it.
   // Where there is no parallax, the pose comes from known points alone:
   double min_point_inlier_ratio = 0.5;  ///< Of the epipolar inliers that have depth, how many must agree with the metric pose.
   /// Share of the epipolar inliers that the metric pose must keep: points and rays must tell one story.

@@ -18,6 +18,9 @@ struct View {
   Features features;                                             ///< N.
   std::vector<Eigen::Vector3d> rays;                             ///< N, unit, camera frame.
   std::vector<std::optional<Eigen::Vector3d>> points_in_camera;  ///< N, in the odometry's unit of length.
+  /// The camera's height above the ground along the ground's normal, in the odometry's unit of length: a scale where the ground
+  /// is a plane (see plane_scale.h).
+  std::optional<double> height_above_ground{};
   std::vector<double> point_weights;  ///< N, of the points as measured so far; see add_point_measurement().
 };
 

@@ -39,8 +39,8 @@ Candidates candidates_of(const std::string& flight, int num_features) {
   const auto view = [&](std::size_t frame) {
     if (view_of[frame] == sequence.frames.size()) {
       view_of[frame] = candidates.views.size();
-      candidates.views.push_back(
-          make_view(frame, sequence.camera, extractor.extract(read_gray_image(sequence.frames[frame].image_path, sequence.camera))));
+      candidates.views.push_back(make_view(
+          frame, sequence.camera, extractor.extract(read_gray_image(sequence.frames[frame].image_path, sequence.camera))));
     }
     return view_of[frame];
   };

@@ -140,7 +140,7 @@ void ours_planar(benchmark::State& state) {
     std::optional<Pose> chosen;
     const int draws = found ? found->iterations : 0;
     if (found) {
-      chosen = choose_pose(world.query, world.match, matches, world.pairs, std::move(*found), options, {}, prior)
+      chosen = choose_pose(world.query, world.match, matches, world.pairs, std::move(*found), {options, {}, {}}, prior)
                    .chosen.relative.match_from_query;
     }
     tally.add(chosen, world.match_from_query, draws);

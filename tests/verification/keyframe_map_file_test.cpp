@@ -39,6 +39,7 @@ TEST_F(MapFile, KeepsFeaturesOfBitsAndViewsWithoutAny) {
   bits.descriptors = cv::Mat(1, 32, CV_8U, cv::Scalar(170));
   map.keyframes.resize(2);
   map.keyframes[0].view = make_view(3, map.sessions[0].camera, bits);
+  map.keyframes[0].view.height_above_ground = 61.5;
   map.keyframes[1].view = make_view(4, map.sessions[0].camera, {});
   KeyframeMapFile::create(path_, map);
   const KeyframeMap read = read_keyframe_map(path_, short_walk().model);

@@ -97,6 +97,8 @@ TEST(Keyframe, EveryInconsistencyOfImagesIsRefused) {
       {"resize the depth image", [](Keyframe& k) { k.depth = cv::Mat::ones(3, 4, CV_32F); }},
       {"depth_unit_m", [](Keyframe& k) { k.depth = cv::Mat::ones(k.image.size(), CV_16U), k.depth_unit_m = 0; }},
       {"depth_unit_m", [](Keyframe& k) { k.depth = cv::Mat::ones(k.image.size(), CV_16U), k.depth_unit_m = kNaN; }},
+      {"height above ground", [](Keyframe& k) { k.height_above_ground = 0; }},
+      {"height above ground", [](Keyframe& k) { k.height_above_ground = kNaN; }},
   };
   for (const Refusal& refusal : refusals) expect_refused(keyframe_of_image(), refusal);
 }

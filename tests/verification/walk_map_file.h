@@ -39,6 +39,7 @@ inline Keyframe body_frame(std::size_t i) {
 
 inline void expect_equal(const View& a, const View& b) {
   EXPECT_EQ(a.frame, b.frame);
+  EXPECT_EQ(a.height_above_ground, b.height_above_ground);
   EXPECT_EQ(a.features.descriptor_kind, b.features.descriptor_kind);
   ASSERT_EQ(a.features.keypoints.size(), b.features.keypoints.size());
   for (std::size_t i = 0; i < a.features.keypoints.size(); ++i) {
