@@ -4,7 +4,6 @@
 #include <ceres/cost_function.h>
 #include <ceres/manifold.h>
 #include <ceres/problem.h>
-#include <ceres/solver.h>
 
 #include <algorithm>
 #include <cmath>
@@ -66,17 +65,14 @@ class SwitchedSolve {
     states_ = read_states(graph_);
     ceres::Problem ceres_problem(problem_options());
     build(ceres_problem, options.objective);
-    ceres::Solver::Summary summary;
-    ceres::Solve(residuals::sparse_solver_options(options), &ceres_problem, &summary);
+    const residuals::SolverRun run = residuals::run(options, Initialization::AsGiven, ceres_problem);
     OptimizeReport report;
-    report.initial_cost = 2.0 * summary.initial_cost;
-    report.final_cost = 2.0 * summary.final_cost;
-    report.iterations = std::max(0, static_cast<int>(summary.iterations.size()) - 1);
+    report.initial_cost = run.initial_cost;
+    report.final_cost = run.final_cost;
+    report.iterations = run.iterations;
+    report.termination = run.termination;
     report.anchors = anchors_;
     report.num_components = num_components_;
-    report.termination = summary.termination_type == ceres::CONVERGENCE      ? Termination::Converged
-                         : summary.termination_type == ceres::NO_CONVERGENCE ? Termination::MaxIterations
-                                                                             : Termination::Failed;
     if (report.termination == Termination::Failed) return report;
     for (std::size_t v = 0; v < states_.size(); ++v) {
       if (!std::binary_search(anchors_.begin(), anchors_.end(), v)) {
@@ -150,6 +146,10 @@ SwitchableResult solve_with_switches(PoseGraph& graph, const SwitchableProblem& 
   SwitchableResult result;
   result.solve = solve.run(options);
   result.weights = solve.weights();
+  const std::vector<double> chi2 = evaluate_chi2(graph, options.objective);
+  for (std::size_t e = 0; e < chi2.size(); ++e) {
+    if (problem.weights[e] != 0.0) result.solve.edges.push_back({chi2[e], result.weights[e]});
+  }
   return result;
 }
 
