@@ -17,6 +17,7 @@
 #include "posegraph/residuals/graph_costs.h"
 #include "posegraph/residuals/sparse_solver.h"
 #include "posegraph/residuals/yaw_manifold.h"
+#include "posegraph/robust/session_alignment.h"
 #include "posegraph/solver_state.h"
 
 namespace fabloop {
@@ -101,8 +102,12 @@ void add_costs(const PoseGraph& graph, const GraphCosts& costs, std::vector<Stat
 }
 
 /// Puts the graph at one start.
-void initialize(PoseGraph& graph, Initialization initialization) {
+void initialize(PoseGraph& graph, Initialization initialization, const OptimizeOptions& options) {
   if (initialization == Initialization::SpanningTree) chain_along_edges(graph);
+  if (initialization == Initialization::Sessions) {
+    chain_sessions(graph, options.robust_kinds);
+    align_sessions(graph, {options.robust_kinds, options.robust_probability});
+  }
   if (initialization == Initialization::Chordal) initialize_chordal(graph);
   if (initialization != Initialization::AsGiven) move_to_priors(graph);
 }
@@ -110,15 +115,16 @@ void initialize(PoseGraph& graph, Initialization initialization) {
 /// Puts the graph at its start and says which one that is; `given_cost` is that of the poses given.
 Initialization choose_start(PoseGraph& graph, const GraphCosts& costs, double given_cost, const OptimizeOptions& options) {
   if (options.initialization != Initialization::LowestCost) {
-    initialize(graph, options.initialization);
+    initialize(graph, options.initialization, options);
     return options.initialization;
   }
   Initialization best = Initialization::AsGiven;
   double lowest_cost = given_cost;
   const PoseGraph given = graph;
-  for (const Initialization candidate : {Initialization::SpanningTree, Initialization::Chordal}) {
+  for (const Initialization candidate : {Initialization::SpanningTree, Initialization::Chordal, Initialization::Sessions}) {
+    if (candidate == Initialization::Sessions && num_sessions(given, options.robust_kinds) == 1) continue;
     PoseGraph start = given;
-    initialize(start, candidate);
+    initialize(start, candidate, options);
     std::vector<State> states = read_states(start);
     const double cost = costs.sum(costs.evaluate_edges(states), costs.evaluate_priors(states));
     if (cost >= lowest_cost) continue;

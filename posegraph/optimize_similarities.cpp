@@ -99,6 +99,9 @@ void check(const SimilarityGraph& graph, const OptimizeOptions& options) {
   if (!(options.robust_probability > 0.0 && options.robust_probability < 1.0)) {
     throw InputError("robust probability must be between 0 and 1, both excluded");
   }
+  if (options.initialization == Initialization::Sessions) {
+    throw InputError("similarities have no start by sessions; take the chordal relaxation or the spanning tree");
+  }
   if (options.freedom == Freedom::YawAndPosition && options.initialization != Initialization::AsGiven) {
     throw InputError("yaw and position only: roll and pitch are those of the poses given, so start from them");
   }

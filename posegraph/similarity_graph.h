@@ -59,7 +59,7 @@ void initialize_chordal(SimilarityGraph& graph);
 void chain_along_edges(SimilarityGraph& graph);
 
 /// Moves the vertices to where the edges agree best, in place (Strasdat, Montiel & Davison, RSS 2010; the error is in this folder's
-/// README). Objectives, starts, losses and bounds are those of pose graphs, with one degree of freedom more. Anchors as in
+/// README). Objectives, starts (but Sessions), losses and bounds are those of pose graphs, with one degree of freedom more. Anchors as in
 /// initialize_chordal(). The same input gives the same bytes. Throws what check() throws, and what optimize() does for options.
 OptimizeReport optimize(SimilarityGraph& graph, const OptimizeOptions& options = {});
 

@@ -7,9 +7,24 @@
 namespace fabloop {
 namespace {
 
+/// W as the series sum of M^k / (k + 1)!, M = sigma I + [omega]x.
+Eigen::Matrix3d series(const Eigen::Matrix3d& m) {
+  constexpr int kTerms = 8;
+  Eigen::Matrix3d term = Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d sum = term;
+  for (int k = 1; k <= kTerms; ++k) {
+    term = (term * m / (k + 1)).eval();
+    sum += term;
+  }
+  return sum;
+}
+
 /// W = a I + b [omega]x + c [omega]x^2, from the integrals of e^(sigma u) times 1, sin(u angle) and cos(u angle).
 Eigen::Matrix3d integrated_rotation(const Eigen::Vector3d& omega, double sigma) {
   const double angle = omega.norm();
+  // Within this the series has converged to rounding; beyond it the integrals lose hardly a digit.
+  constexpr double kSmall = 0.03;
+  if (std::hypot(sigma, angle) < kSmall) return series(sigma * Eigen::Matrix3d::Identity() + cross_matrix(omega));
   const double a = sigma == 0.0 ? 1.0 : std::expm1(sigma) / sigma;
   if (angle == 0.0) return a * Eigen::Matrix3d::Identity();
   const Eigen::Matrix3d cross = cross_matrix(omega / angle);

@@ -33,7 +33,7 @@ struct EdgeDecision {
 
 /// Where robust_optimize() begins.
 enum class RobustStart {
-  /// Where the trusted edges alone lead: no false loop can have bent it.
+  /// Where the trusted edges alone lead: no false loop can have bent it. Several trajectories are placed by align_sessions().
   Odometry,
   /// The poses as they are, after an earlier solve, say.
   AsGiven,

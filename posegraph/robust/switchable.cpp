@@ -12,6 +12,7 @@
 #include "posegraph/connectivity.h"
 #include "posegraph/residuals/residuals.h"
 #include "posegraph/residuals/sparse_solver.h"
+#include "posegraph/residuals/yaw_manifold.h"
 #include "posegraph/robust/weighted_solve.h"
 #include "posegraph/solver_state.h"
 
@@ -64,7 +65,7 @@ class SwitchedSolve {
   OptimizeReport run(const OptimizeOptions& options) {
     states_ = read_states(graph_);
     ceres::Problem ceres_problem(problem_options());
-    build(ceres_problem, options.objective);
+    build(ceres_problem, options);
     const residuals::SolverRun run = residuals::run(options, Initialization::AsGiven, ceres_problem);
     OptimizeReport report;
     report.initial_cost = run.initial_cost;
@@ -98,12 +99,14 @@ class SwitchedSolve {
     return options;
   }
 
-  void build(ceres::Problem& ceres_problem, Objective objective) {
+  void build(ceres::Problem& ceres_problem, const OptimizeOptions& options) {
+    ceres::Manifold* const rotations =
+        options.freedom == Freedom::YawAndPosition ? static_cast<ceres::Manifold*>(&yaw_) : &quaternion_;
     for (State& state : states_) {
       if (graph_.dimension == 2) {
         ceres_problem.AddParameterBlock(state.data(), 3);
       } else {
-        ceres_problem.AddParameterBlock(state.data(), 4, &quaternion_);
+        ceres_problem.AddParameterBlock(state.data(), 4, rotations);
         ceres_problem.AddParameterBlock(state.data() + 4, 3);
       }
     }
@@ -114,7 +117,7 @@ class SwitchedSolve {
       const Edge& edge = graph_.edges[e];
       used.edges.push_back(edge);
       std::vector<double*> blocks = blocks_of(edge, graph_.dimension, states_);
-      std::unique_ptr<ceres::CostFunction> residual = residuals::make_residual(edge, graph_.dimension, objective);
+      std::unique_ptr<ceres::CostFunction> residual = residuals::make_residual(edge, graph_.dimension, options.objective);
       if (problem_.has_switch[e]) {
         blocks.push_back(&switches_[e]);
         residual = std::make_unique<SwitchedResidual>(std::move(residual), problem_.c2[e]);
@@ -133,6 +136,7 @@ class SwitchedSolve {
   PoseGraph& graph_;
   const SwitchableProblem& problem_;
   ceres::EigenQuaternionManifold quaternion_;
+  residuals::YawManifold yaw_;
   std::vector<State> states_;
   std::vector<double> switches_;
   std::vector<std::size_t> anchors_;

@@ -62,8 +62,8 @@ Eigen::Matrix4d exponential(const Eigen::Matrix4d& m) {
 TEST(Similarity, ExponentialIsThatOfItsMatrix) {
   RandomSimilarities random(2);
   // Both small and large parts, and none.
-  for (const double angle : {0.0, 1e-9, 1e-4, 1.0}) {
-    for (const double sigma : {0.0, 1e-9, 1e-4, 1.0}) {
+  for (const double angle : {0.0, 1e-9, 1e-4, 0.02, 1.0}) {
+    for (const double sigma : {0.0, 1e-9, 1e-4, 0.02, 1.0}) {
       Vector7d coordinates;
       coordinates << random.vector(), angle * random.vector(), sigma * random.number();
       Eigen::Matrix4d generator = Eigen::Matrix4d::Zero();
