@@ -191,8 +191,8 @@ void run_convert(const ConvertArguments& arguments, const CommonOptions& common)
 
 void add_convert_command(CLI::App& program, const CommonOptions& common) {
   const auto arguments = std::make_shared<ConvertArguments>();
-  CLI::App* command =
-      program.add_subcommand("convert", "openFABMAP's files into a model and back, or a trajectory or pose graph into another form");
+  CLI::App* command = program.add_subcommand(
+      "convert", "openFABMAP's files into a model and back, or a trajectory or pose graph into another form");
   command
       ->add_option("IN", arguments->inputs,
                    "a model; or openFABMAP's vocabulary, tree and, optionally, training images (BOW) and settings, in any order, "

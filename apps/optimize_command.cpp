@@ -152,10 +152,10 @@ void add_optimize_command(CLI::App& program, const CommonOptions& common) {
       ->check(CLI::IsMember({"chordal", "rotation-vector", "quaternion"}))
       ->capture_default_str();
   command
-      ->add_option(
-          "--init", arguments->initialization,
-          "poses to start from: as given, chained along a tree, the chordal relaxation, several sessions placed by the loops that "
-          "agree, or whichever has the lowest cost [lowest; given with --freedom yaw]; with --robust see --from-poses")
+      ->add_option("--init", arguments->initialization,
+                   "poses to start from: as given, chained along a tree, the chordal relaxation, several sessions placed by the "
+                   "loops that "
+                   "agree, or whichever has the lowest cost [lowest; given with --freedom yaw]; with --robust see --from-poses")
       ->check(CLI::IsMember({"given", "tree", "chordal", "sessions", "lowest"}));
   command
       ->add_option("--freedom", arguments->freedom,

@@ -15,7 +15,8 @@ struct SimilarityArguments {
   bool certify = false;
 };
 
-/// `optimize` for a file of similarities: reads, solves, writes and prints. Throws InputError for options that are of poses alone.
+/// `optimize` for a file of similarities: reads, solves, writes and prints. Throws InputError for options that are of poses
+/// alone.
 void optimize_similarities(const SimilarityArguments& arguments, const RobustArguments& robust, OptimizeOptions options,
                            const G2oOptions& g2o_options);
 

@@ -28,8 +28,8 @@ struct EdgeStep {
   std::size_t to = 0;    ///< The vertex reached by it.
 };
 
-/// The steps that reach every vertex breadth-first from the fixed vertices, in a component without one from its first vertex. Edges
-/// without scale are walked after a vertex's other edges.
+/// The steps that reach every vertex breadth-first from the fixed vertices, in a component without one from its first vertex.
+/// Edges without scale are walked after a vertex's other edges.
 std::vector<EdgeStep> breadth_first(const PoseGraph& graph);
 
 /// Sets every vertex by chaining edges breadth-first from the fixed vertices, in a component without one from its first

@@ -90,14 +90,15 @@ class Reader {
     set_dimension(dimension_of(layout));
     const std::size_t information_start = 3 + pose_size(layout);
     lines_.expect_columns(words, information_start + information_size(layout),
-                   std::string("i j ") + pose_columns(layout) + " and " + std::to_string(information_size(layout)) +
-                       " information entries of the upper triangle");
+                          std::string("i j ") + pose_columns(layout) + " and " + std::to_string(information_size(layout)) +
+                              " information entries of the upper triangle");
     PendingEdge pending{lines_.id(words[1]), lines_.id(words[2]), {}, lines_.line()};
     if (pending.from_id == pending.to_id) lines_.fail("the edge joins vertex " + text_of(words[1]) + " to itself; remove it");
     Edge& edge = pending.edge;
     edge.has_scale = has_scale;
     edge.from_from_to = pose(words, 3, layout);
-    if (!has_scale && edge.from_from_to.translation.norm() == 0.0) lines_.fail("the direction has length zero; give a unit vector");
+    if (!has_scale && edge.from_from_to.translation.norm() == 0.0)
+      lines_.fail("the direction has length zero; give a unit vector");
     edge.information = information(words, information_start, layout);
     edge.kind = lines_.take_kind(pending.from_id, pending.to_id);
     edges_.push_back(pending);
@@ -107,8 +108,8 @@ class Reader {
   void read_prior(const Words& words, Layout layout, std::size_t start) {
     set_dimension(dimension_of(layout));
     lines_.expect_columns(words, start + pose_size(layout) + information_size(layout),
-                   std::string("id ") + pose_columns(layout) + " and " + std::to_string(information_size(layout)) +
-                       " information entries of the upper triangle");
+                          std::string("id ") + pose_columns(layout) + " and " + std::to_string(information_size(layout)) +
+                              " information entries of the upper triangle");
     VertexPrior prior;
     prior.world_from_frame = pose(words, start, layout);
     prior.information = information(words, start + pose_size(layout), layout);
@@ -119,7 +120,8 @@ class Reader {
   void read_spatial_prior(const Words& words) {
     constexpr std::size_t kColumnsWithOffset = 3 + 7 + 21;
     if (words.size() != kColumnsWithOffset) return read_prior(words, Layout::Quaternion, 2);
-    if (!offsets_.contains(lines_.id(words[2]))) lines_.fail("there is no PARAMS_SE3OFFSET " + text_of(words[2]) + " before this line");
+    if (!offsets_.contains(lines_.id(words[2])))
+      lines_.fail("there is no PARAMS_SE3OFFSET " + text_of(words[2]) + " before this line");
     read_prior(words, Layout::Quaternion, 3);
   }
 
@@ -136,11 +138,12 @@ class Reader {
     set_dimension(dimension);
     const std::size_t size = static_cast<std::size_t>(dimension);
     lines_.expect_columns(words, 2 + size + size * (size + 1) / 2,
-                   dimension == 2 ? "id x y and 3 information entries of the upper triangle"
-                                  : "id x y z and 6 information entries of the upper triangle");
+                          dimension == 2 ? "id x y and 3 information entries of the upper triangle"
+                                         : "id x y z and 6 information entries of the upper triangle");
     VertexPrior prior;
     prior.kind = PriorKind::Position;
-    for (int k = 0; k < dimension; ++k) prior.world_from_frame.translation(k) = lines_.number(words[2 + static_cast<std::size_t>(k)]);
+    for (int k = 0; k < dimension; ++k)
+      prior.world_from_frame.translation(k) = lines_.number(words[2 + static_cast<std::size_t>(k)]);
     prior.information = triangle(words, 2 + size, 0, dimension);
     priors_.push_back({lines_.id(words[1]), prior, lines_.line()});
   }

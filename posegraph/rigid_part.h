@@ -7,7 +7,8 @@
 /// Graphs of similarities as pose graphs (private).
 namespace fabloop {
 
-/// The graph without scales: who is joined to whom, which vertices are fixed, rotations, and translations in the units they are in.
+/// The graph without scales: who is joined to whom, which vertices are fixed, rotations, and translations in the units they are
+/// in.
 inline PoseGraph rigid_part(const SimilarityGraph& graph) {
   PoseGraph rigid;
   rigid.vertices.reserve(graph.vertices.size());

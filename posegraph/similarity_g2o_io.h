@@ -13,8 +13,8 @@ namespace fabloop {
 bool has_similarities(const std::filesystem::path& path);
 
 /// Reads a graph of similarities in either of two forms, or both mixed.
-/// Ours continues the SE3 lines: `VERTEX_SIM3:QUAT id x y z qx qy qz qw s` and `EDGE_SIM3:QUAT i j x y z qx qy qz qw s` with the 28
-/// upper-triangular information entries in the order translation, rotation, log s; the vertex is world_from_frame, the edge
+/// Ours continues the SE3 lines: `VERTEX_SIM3:QUAT id x y z qx qy qz qw s` and `EDGE_SIM3:QUAT i j x y z qx qy qz qw s` with the
+/// 28 upper-triangular information entries in the order translation, rotation, log s; the vertex is world_from_frame, the edge
 /// i_from_j, and x_in_i = s R x_in_j + t.
 /// g2o's own (types/sim3/types_seven_dof_expmap.cpp): `VERTEX_SIM3:EXPMAP id w(3) u(3) sigma [fx fy cx cy]` and
 /// `EDGE_SIM3:EXPMAP i j w(3) u(3) sigma` with 28 entries in that order: the logarithms of the same similarities, rotation

@@ -115,7 +115,8 @@ void initialize_chordal(SimilarityGraph& graph) {
   const std::vector<std::size_t> anchors = find_anchors(rigid, connected_components(rigid));
   const std::vector<double> log_scales = solve_log_scales(graph, anchors);
   for (std::size_t v = 0; v < graph.vertices.size(); ++v) {
-    if (!std::binary_search(anchors.begin(), anchors.end(), v)) graph.vertices[v].world_from_frame.scale = std::exp(log_scales[v]);
+    if (!std::binary_search(anchors.begin(), anchors.end(), v))
+      graph.vertices[v].world_from_frame.scale = std::exp(log_scales[v]);
   }
   for (std::size_t e = 0; e < graph.edges.size(); ++e) {
     rigid.edges[e].from_from_to.translation *= graph.vertices[graph.edges[e].from].world_from_frame.scale;

@@ -22,8 +22,9 @@ struct SimilarityVertex {
   bool fixed = false;  ///< optimize() leaves it as it is, its scale too.
 };
 
-/// A measured similarity i_from_j with i = `from`, j = `to`. Its scale is how many units of i one unit of j is: 1 between views of
-/// one monocular stretch, and what the structure seen from both says where a loop joins stretches whose scale has drifted apart.
+/// A measured similarity i_from_j with i = `from`, j = `to`. Its scale is how many units of i one unit of j is: 1 between views
+/// of one monocular stretch, and what the structure seen from both says where a loop joins stretches whose scale has drifted
+/// apart.
 struct SimilarityEdge {
   std::size_t from = 0;  ///< Position in `SimilarityGraph::vertices`, not an id.
   std::size_t to = 0;    ///< As `from`.
@@ -58,9 +59,10 @@ void initialize_chordal(SimilarityGraph& graph);
 /// Sets every vertex by chaining edges breadth-first from the fixed vertices, in a component without one from its first.
 void chain_along_edges(SimilarityGraph& graph);
 
-/// Moves the vertices to where the edges agree best, in place (Strasdat, Montiel & Davison, RSS 2010; the error is in this folder's
-/// README). Objectives, starts (but Sessions), losses and bounds are those of pose graphs, with one degree of freedom more. Anchors as in
-/// initialize_chordal(). The same input gives the same bytes. Throws what check() throws, and what optimize() does for options.
+/// Moves the vertices to where the edges agree best, in place (Strasdat, Montiel & Davison, RSS 2010; the error is in this
+/// folder's README). Objectives, starts (but Sessions), losses and bounds are those of pose graphs, with one degree of freedom
+/// more. Anchors as in initialize_chordal(). The same input gives the same bytes. Throws what check() throws, and what optimize()
+/// does for options.
 OptimizeReport optimize(SimilarityGraph& graph, const OptimizeOptions& options = {});
 
 /// The cost of the graph as it stands: optimize()'s `initial_cost`, without moving anything.

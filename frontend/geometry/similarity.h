@@ -8,8 +8,8 @@
 
 namespace fabloop {
 
-/// A similarity a_from_b: a rigid transform between frames whose units differ. x_in_a = scale * (rotation * x_in_b) + translation:
-/// `scale` is how many units of a one unit of b is, and the translation, in units of a, is b's origin seen in a.
+/// A similarity a_from_b: a rigid transform between frames whose units differ. x_in_a = scale * (rotation * x_in_b) +
+/// translation: `scale` is how many units of a one unit of b is, and the translation, in units of a, is b's origin seen in a.
 struct Similarity {
   double scale = 1.0;
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();

@@ -25,8 +25,8 @@ PoseGraph trusted_part(const PoseGraph& graph, const std::vector<EdgeKind>& doub
   return trusted;
 }
 
-/// The sessions of a loop's earlier and of its later vertex. Where vertices of two sessions alternate, loops one way round and the
-/// other are counted apart: LoopConsistency has all loops begin at their earlier vertex.
+/// The sessions of a loop's earlier and of its later vertex. Where vertices of two sessions alternate, loops one way round and
+/// the other are counted apart: LoopConsistency has all loops begin at their earlier vertex.
 using Pair = std::pair<std::size_t, std::size_t>;
 
 /// Loops with scale between different sessions, as positions in `LoopConsistency::edges()`.

@@ -22,9 +22,9 @@ struct SessionAlignmentOptions {
 
 /// One session placed by its loops with another.
 struct SessionJoin {
-  std::size_t session = 0;     ///< The one moved; numbered in the order of first vertices.
-  std::size_t placed_in = 0;   ///< The one that had its place.
-  std::size_t edge = 0;        ///< The loop whose alignment was taken.
+  std::size_t session = 0;       ///< The one moved; numbered in the order of first vertices.
+  std::size_t placed_in = 0;     ///< The one that had its place.
+  std::size_t edge = 0;          ///< The loop whose alignment was taken.
   std::size_t num_agreeing = 0;  ///< Loops of the two that agree with it, itself included.
   std::size_t num_loops = 0;     ///< Loops of the two.
 };

@@ -89,7 +89,8 @@ TEST(SimilarityG2o, LogarithmsAreReadAsG2oWritesThem) {
   text.precision(17);
   for (const std::size_t v : {0, 1}) {
     // The first with a calibration, as g2o does.
-    text << "VERTEX_SIM3:EXPMAP " << v << exponential(graph.vertices[v].world_from_frame) << (v == 0 ? " 500 500 320 240\n" : "\n");
+    text << "VERTEX_SIM3:EXPMAP " << v << exponential(graph.vertices[v].world_from_frame)
+         << (v == 0 ? " 500 500 320 240\n" : "\n");
   }
   text << "EDGE_SIM3:EXPMAP 0 1" << exponential(edge.from_from_to);
   constexpr int kRotationFirst[] = {3, 4, 5, 0, 1, 2, 6};

@@ -56,7 +56,8 @@ Flights make_flights(std::uint32_t seed, std::size_t num_loops, std::size_t num_
   };
   std::uniform_int_distribution<std::size_t> any(0, kViews - 1);
   for (std::size_t session = 0; session < kSessions; ++session) {
-    for (std::size_t view = 1; view < kViews; ++view) add(position(session, view - 1), position(session, view), EdgeKind::Odometry);
+    for (std::size_t view = 1; view < kViews; ++view)
+      add(position(session, view - 1), position(session, view), EdgeKind::Odometry);
   }
   // The first two see hardly anything of one another: the third joins them.
   for (const auto& [a, b] : {std::pair<std::size_t, std::size_t>{0, 2}, {1, 2}}) {
