@@ -42,11 +42,10 @@ class Graduation {
     if (std::find(problem_.is_candidate.begin(), problem_.is_candidate.end(), true) != problem_.is_candidate.end()) {
       solve(kIterationsOfAll, kToleranceInStep);
       pass(problem_.is_candidate, max_ratio(problem_.is_candidate));
-      if (problem_.learns_noise) learn_noise();
     }
     pass(problem_.is_doubted, kLateRatio);
     OptimizeReport report = solve(options_.max_iterations, options_.cost_tolerance);
-    return {edges_.weights, num_solves_, std::move(report), threshold_factor_};
+    return {edges_.weights, num_solves_, std::move(report)};
   }
 
  private:
@@ -57,24 +56,10 @@ class Graduation {
     const std::vector<double> chi2 = evaluate_chi2(graph_, options_.objective);
     double largest = 0.0;
     for (std::size_t e = 0; e < chi2.size(); ++e) {
-      if (members[e]) largest = std::max(largest, chi2[e] / c2(e));
+      if (members[e]) largest = std::max(largest, chi2[e] / problem_.c2[e]);
     }
     return largest;
   }
-
-  /// Loops that are right by the thresholds so far, at an optimum of theirs, show how far right ones err. A false group of loops
-  /// gains one threshold for each, and the map bends to it where that is more than what bending costs: so the threshold matters.
-  void learn_noise() {
-    const OptimizeReport report = solve(kIterationsOfAll, kToleranceInStep);
-    const std::vector<double> chi2 = evaluate_chi2(graph_, options_.objective);
-    const double factor = variance_factor(graph_, edges_.weights, chi2, report.anchors.size());
-    threshold_factor_ = std::min(1.0, factor / problem_.noise_scale);
-    if (threshold_factor_ == 1.0) return;
-    // The false among the candidates had their part in the first answer.
-    pass(problem_.is_candidate, 1.0 / threshold_factor_);
-  }
-
-  double c2(std::size_t e) const { return threshold_factor_ * problem_.c2[e]; }
 
   /// From the surrogate that is convex up to `ratio` thresholds to the robust cost.
   void pass(const std::vector<bool>& members, double ratio) {
@@ -102,7 +87,7 @@ class Graduation {
     bool changed = false;
     for (std::size_t e = 0; e < chi2.size(); ++e) {
       if (!problem_.is_doubted[e]) continue;
-      double weight = members[e] ? graduated_weight(problem_.surrogate, chi2[e], c2(e), mu) : 0.0;
+      double weight = members[e] ? graduated_weight(problem_.surrogate, chi2[e], problem_.c2[e], mu) : 0.0;
       if (weight < kLeastWeight) weight = 0.0;
       changed = changed || weight != edges_.weights[e];
       edges_.weights[e] = weight;
@@ -123,7 +108,6 @@ class Graduation {
   OptimizeOptions options_;
   EdgeWeights edges_;
   std::size_t num_solves_ = 0;
-  double threshold_factor_ = 1.0;
 };
 
 }  // namespace
@@ -142,25 +126,6 @@ double graduated_weight(Surrogate surrogate, double chi2, double c2, double mu) 
 double convex_mu(Surrogate surrogate, double max_chi2, double c2) {
   if (surrogate == Surrogate::GemanMcClure) return std::max(1.0, 2.0 * max_chi2 / c2);
   return c2 / std::max(2.0 * max_chi2 - c2, c2);
-}
-
-double variance_factor(const PoseGraph& graph, const std::vector<double>& weights, const std::vector<double>& chi2,
-                       std::size_t num_held) {
-  constexpr double kMinRedundancy = 100.0;
-  constexpr double kSigmas = 3.0;
-  const std::size_t of_vertex = graph.dimension == 2 ? 3 : 6;
-  double num_errors = 0.0;
-  double sum = 0.0;
-  for (std::size_t e = 0; e < chi2.size(); ++e) {
-    if (weights[e] <= 0.5) continue;
-    num_errors += static_cast<double>(of_vertex - (graph.edges[e].has_scale ? 0 : 1));
-    sum += chi2[e];
-  }
-  const double redundancy = num_errors - static_cast<double>(of_vertex * (graph.vertices.size() - num_held));
-  if (redundancy < kMinRedundancy) return 1.0;
-  const double factor = sum / redundancy;
-  // Of chi-square over its degrees of freedom the variance is 2 over these.
-  return factor < 1.0 - kSigmas * std::sqrt(2.0 / redundancy) ? factor : 1.0;
 }
 
 GraduatedResult graduate(PoseGraph& graph, const GraduatedProblem& problem, const OptimizeOptions& options) {

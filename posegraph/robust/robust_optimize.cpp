@@ -117,7 +117,6 @@ struct Solution {
   std::vector<double> weights;
   std::size_t num_solves = 1;
   bool is_proven = true;
-  double threshold_factor = 1.0;
 };
 
 Solution solve_with_loss(PoseGraph& graph, const Roles& roles, const RobustOptions& options) {
@@ -137,8 +136,6 @@ Solution solve_with_loss(PoseGraph& graph, const Roles& roles, const RobustOptio
 Solution solve_graduated(PoseGraph& graph, const Roles& roles, const RobustOptions& options) {
   GraduatedProblem problem;
   problem.c2 = roles.c2;
-  problem.noise_scale = roles.noise_scale;
-  problem.learns_noise = options.noise == NoiseScale::Observed;
   problem.is_doubted = roles.is_doubted;
   problem.surrogate = options.back_end == BackEnd::GncTruncated ? Surrogate::TruncatedLeastSquares : Surrogate::GemanMcClure;
   problem.factor = options.gnc_factor;
@@ -157,7 +154,7 @@ Solution solve_graduated(PoseGraph& graph, const Roles& roles, const RobustOptio
     if (roles.is_doubted[e] && !options.warm_weights.empty()) problem.weights[e] = options.warm_weights[e];
   }
   GraduatedResult result = graduate(graph, problem, options.optimize);
-  return {std::move(result.last_solve), std::move(result.weights), result.num_solves, true, result.threshold_factor};
+  return {std::move(result.last_solve), std::move(result.weights), result.num_solves};
 }
 
 Solution solve_consistent(PoseGraph& graph, const Roles& roles, const RobustOptions& options) {
@@ -232,11 +229,10 @@ RobustReport robust_optimize(PoseGraph& graph, const RobustOptions& options) {
   report.last_solve = std::move(solution.last_solve);
   report.num_solves = solution.num_solves;
   report.is_proven = solution.is_proven;
-  report.noise_scale = roles.noise_scale * solution.threshold_factor;
+  report.noise_scale = roles.noise_scale;
   for (std::size_t e = 0; e < graph.edges.size(); ++e) {
     EdgeDecision decision{chi2[e], solution.weights[e], roles.forced[e]};
-    const double c2 = solution.threshold_factor * roles.c2[e];
-    if (roles.is_doubted[e] && is_rejected(options.back_end, decision, c2)) decision.verdict = EdgeVerdict::Rejected;
+    if (roles.is_doubted[e] && is_rejected(options.back_end, decision, roles.c2[e])) decision.verdict = EdgeVerdict::Rejected;
     const bool is_left_out = decision.verdict == EdgeVerdict::Rejected || decision.verdict == EdgeVerdict::ForcedReject;
     report.num_rejected += is_left_out;
     report.num_kept += !is_left_out && decision.verdict != EdgeVerdict::Trusted;

@@ -41,8 +41,8 @@ enum class RobustStart {
 
 /// What errors are measured by.
 enum class NoiseScale {
-  /// The information matrices, unless neighbouring loops (observed_noise_scale()) or, in graduated back ends, a first solve
-  /// (variance_factor()) show that these promise less than they hold.
+  /// The information matrices, unless neighbouring loops show that these promise far less than they hold: see
+  /// observed_noise_scale().
   Observed,
   /// The information matrices.
   AsDeclared,

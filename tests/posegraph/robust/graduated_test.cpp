@@ -3,9 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "posegraph/robust/weighted_solve.h"
 #include "posegraph/robust_loss.h"
-#include "tests/posegraph/random_graph.h"
 
 namespace fabloop {
 namespace {
@@ -61,30 +59,6 @@ TEST(GraduatedWeight, HasNoTruncationWithinTheLargestErrorAtFirst) {
     EXPECT_GT(graduated_weight(Surrogate::TruncatedLeastSquares, 4.0 * ratio, 4.0, mu), 0.0);
   }
 }
-
-/// The factor of a graph solved over all its edges.
-double factor_of(PoseGraph graph, double promised) {
-  for (Edge& edge : graph.edges) edge.information *= promised;
-  const OptimizeReport report =
-      optimize(graph, {.objective = Objective::RotationVector, .initialization = Initialization::Chordal});
-  const std::vector<double> weights(graph.edges.size(), 1.0);
-  return variance_factor(graph, weights, evaluate_chi2(graph, Objective::RotationVector), report.anchors.size());
-}
-
-TEST(VarianceFactor, IsWhatTheInformationPromisesTooLittle) {
-  for (std::uint32_t seed = 1; seed <= 5; ++seed) {
-    for (const int dimension : {2, 3}) {
-      const PoseGraph graph = test::random_graph(dimension, 40, 80, 0.01, seed);
-      EXPECT_EQ(factor_of(graph, 1.0), 1.0);
-      // Some hundred redundant errors: five sigmas are half of it.
-      EXPECT_NEAR(factor_of(graph, 0.01), 0.01, 0.005);
-      // Promises that are too great are not for it to mend.
-      EXPECT_EQ(factor_of(graph, 100.0), 1.0);
-    }
-  }
-}
-
-TEST(VarianceFactor, AFewLoopsDoNotLookExact) { EXPECT_EQ(factor_of(test::random_graph(3, 40, 5, 0.01, 1), 0.01), 1.0); }
 
 }  // namespace
 }  // namespace fabloop
