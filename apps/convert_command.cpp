@@ -17,6 +17,8 @@
 #include "frontend/fabmap/openfabmap_settings.h"
 #include "frontend/features/feature_settings.h"
 #include "frontend/sequence/trajectory_formats.h"
+#include "posegraph/g2o_io.h"
+#include "posegraph/similarity_g2o_io.h"
 
 namespace fabloop::apps {
 namespace {
@@ -27,6 +29,7 @@ struct ConvertArguments {
   std::vector<std::string> inputs;
   std::string out;
   std::string trajectory_to;
+  std::string graph_to;
   FeatureArguments features;
   std::uint64_t seed = 1;
   bool gzip = false;
@@ -155,8 +158,27 @@ void convert_trajectory(const ConvertArguments& arguments) {
   std::cout << arguments.out << ": " << trajectory.size() << " poses\n";
 }
 
+void convert_graph(const ConvertArguments& arguments, const CommonOptions& common) {
+  if (arguments.inputs.size() != 1) throw InputError(arguments.inputs[1] + ": is a second input; give one graph");
+  require_absent(arguments.out, arguments.overwrite);
+  const fs::path in = arguments.inputs.front();
+  G2oOptions options;
+  options.warn = make_warn(common);
+  if (has_similarities(in)) {
+    if (arguments.graph_to == "toro") throw InputError(in.string() + ": has similarities, which TORO does not know");
+    const SimilarityGraph graph = read_similarity_g2o(in, options);
+    write_g2o(arguments.out, graph);
+    std::cout << arguments.out << ": " << graph.vertices.size() << " vertices, " << graph.edges.size() << " edges\n";
+    return;
+  }
+  const PoseGraph graph = read_g2o(in, options);
+  arguments.graph_to == "toro" ? write_toro(arguments.out, graph) : write_g2o(arguments.out, graph);
+  std::cout << arguments.out << ": " << graph.vertices.size() << " vertices, " << graph.edges.size() << " edges\n";
+}
+
 void run_convert(const ConvertArguments& arguments, const CommonOptions& common) {
   if (!arguments.trajectory_to.empty()) return convert_trajectory(arguments);
+  if (!arguments.graph_to.empty()) return convert_graph(arguments, common);
   const std::vector<fs::path> files = input_files(arguments);
   if (files.empty()) throw InputError(arguments.inputs.front() + ": is an empty folder; give a model, or openFABMAP's files");
   const auto model = std::find_if(files.begin(), files.end(), is_model_file);
@@ -169,8 +191,8 @@ void run_convert(const ConvertArguments& arguments, const CommonOptions& common)
 
 void add_convert_command(CLI::App& program, const CommonOptions& common) {
   const auto arguments = std::make_shared<ConvertArguments>();
-  CLI::App* command =
-      program.add_subcommand("convert", "openFABMAP's files into a model and back, or a trajectory into another form");
+  CLI::App* command = program.add_subcommand(
+      "convert", "openFABMAP's files into a model and back, or a trajectory or pose graph into another form");
   command
       ->add_option("IN", arguments->inputs,
                    "a model; or openFABMAP's vocabulary, tree and, optionally, training images (BOW) and settings, in any order, "
@@ -181,6 +203,11 @@ void add_convert_command(CLI::App& program, const CommonOptions& common) {
       ->add_option("--trajectory-to", arguments->trajectory_to,
                    "IN is a trajectory (TUM, KITTI with times.txt beside it, or EuRoC): write it in this form")
       ->check(CLI::IsMember({"tum", "kitti", "euroc"}));
+  command
+      ->add_option("--graph-to", arguments->graph_to,
+                   "IN is a pose graph (.g2o or TORO's lines): write it in this form, with vertices where it has none")
+      ->check(CLI::IsMember({"g2o", "toro"}))
+      ->excludes("--trajectory-to");
   add_feature_arguments(command, arguments->features, "to a model: as openFABMAP's settings file, else OpenCV's ");
   command->add_option("--seed", arguments->seed, "to a model: chooses among more than 1,000 training images")
       ->capture_default_str();

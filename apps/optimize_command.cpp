@@ -10,11 +10,13 @@
 #include <string_view>
 
 #include "apps/command.h"
+#include "apps/optimize_similarities.h"
 #include "apps/progress_bar.h"
 #include "apps/robust_arguments.h"
 #include "frontend/error.h"
 #include "posegraph/g2o_io.h"
 #include "posegraph/optimize.h"
+#include "posegraph/similarity_g2o_io.h"
 #include "posegraph/staircase.h"
 
 namespace fabloop::apps {
@@ -25,13 +27,15 @@ const std::map<std::string, Objective> kObjectives = {
 const std::map<std::string, Initialization> kInitializations = {{"given", Initialization::AsGiven},
                                                                 {"tree", Initialization::SpanningTree},
                                                                 {"chordal", Initialization::Chordal},
+                                                                {"sessions", Initialization::Sessions},
                                                                 {"lowest", Initialization::LowestCost}};
 
 struct OptimizeArguments {
   std::string in;
   std::string out;
   std::string objective = "chordal";
-  std::string initialization = "lowest";
+  std::string initialization;
+  std::string freedom = "full";
   RobustArguments robust;
   bool overwrite = false;
   bool strict = false;
@@ -64,6 +68,30 @@ Solution solve(PoseGraph& graph, const OptimizeArguments& arguments) {
   return solution;
 }
 
+/// What cannot be asked for together.
+void check_together(const OptimizeArguments& arguments) {
+  const bool has_back_end = asks_for_back_end(arguments.robust);
+  if (arguments.certify && has_back_end) {
+    throw InputError("--certify proves plain least squares; leave out --robust, --accept, --reject and --decisions");
+  }
+  if (arguments.freedom == "full") return;
+  if (arguments.certify) throw InputError("--certify proves optima of whole poses; leave out --freedom");
+  if (has_back_end && !arguments.robust.as_given) {
+    throw InputError("--freedom yaw keeps roll and pitch of the file's poses: add --from-poses to start from them");
+  }
+}
+
+OptimizeOptions solver_options(const OptimizeArguments& arguments, const CommonOptions& common) {
+  OptimizeOptions options = arguments.options;
+  const bool is_yaw = arguments.freedom == "yaw";
+  const std::string usual = is_yaw ? "given" : "lowest";
+  options.objective = kObjectives.at(arguments.objective);
+  options.initialization = kInitializations.at(arguments.initialization.empty() ? usual : arguments.initialization);
+  if (is_yaw) options.freedom = Freedom::YawAndPosition;
+  options.progress = make_progress(common);
+  return options;
+}
+
 std::string_view start_in_words(const Solution& solution, const OptimizeArguments& arguments) {
   if (!solution.robust) return in_words(solution.report.start);
   return arguments.robust.as_given ? "the file's poses" : "where the odometry leads";
@@ -76,14 +104,13 @@ void run_optimize(OptimizeArguments& arguments, const CommonOptions& common) {
   G2oOptions g2o_options;
   if (arguments.strict) g2o_options.if_indefinite = G2oOptions::IfIndefinite::Refuse;
   if (!common.quiet) g2o_options.warn = [](const std::string& message) { std::cerr << "note: " << message << '\n'; };
-  PoseGraph graph = read_g2o(arguments.in, g2o_options);
-
-  if (arguments.certify && asks_for_back_end(arguments.robust)) {
-    throw InputError("--certify proves plain least squares; leave out --robust, --accept, --reject and --decisions");
+  check_together(arguments);
+  arguments.options = solver_options(arguments, common);
+  if (has_similarities(arguments.in)) {
+    return optimize_similarities({arguments.in, arguments.out, arguments.objective, arguments.certify}, arguments.robust,
+                                 arguments.options, g2o_options);
   }
-  arguments.options.objective = kObjectives.at(arguments.objective);
-  arguments.options.initialization = kInitializations.at(arguments.initialization);
-  arguments.options.progress = make_progress(common);
+  PoseGraph graph = read_g2o(arguments.in, g2o_options);
   const auto start = std::chrono::steady_clock::now();
   const Solution solution = solve(graph, arguments);
   const OptimizeReport& report = solution.report;
@@ -119,17 +146,21 @@ void run_optimize(OptimizeArguments& arguments, const CommonOptions& common) {
 void add_optimize_command(CLI::App& program, const CommonOptions& common) {
   const auto arguments = std::make_shared<OptimizeArguments>();
   CLI::App* command = program.add_subcommand("optimize", "Move the poses of a .g2o graph to where its edges agree best");
-  command->add_option("IN", arguments->in, "pose graph (.g2o, 2-D or 3-D)")->required();
+  command->add_option("IN", arguments->in, "pose graph (.g2o: 2-D, 3-D or similarities; or TORO's lines)")->required();
   command->add_option("--out", arguments->out, "where to write the optimised graph (.g2o)")->required();
   command->add_option("--objective", arguments->objective, "how an edge's error is defined")
       ->check(CLI::IsMember({"chordal", "rotation-vector", "quaternion"}))
       ->capture_default_str();
   command
-      ->add_option(
-          "--init", arguments->initialization,
-          "poses to start from: as given, chained along a tree, the chordal relaxation, or whichever has the lowest cost; "
-          "with --robust see --from-poses")
-      ->check(CLI::IsMember({"given", "tree", "chordal", "lowest"}))
+      ->add_option("--init", arguments->initialization,
+                   "poses to start from: as given, chained along a tree, the chordal relaxation, several sessions placed by the "
+                   "loops that "
+                   "agree, or whichever has the lowest cost [lowest; given with --freedom yaw]; with --robust see --from-poses")
+      ->check(CLI::IsMember({"given", "tree", "chordal", "sessions", "lowest"}));
+  command
+      ->add_option("--freedom", arguments->freedom,
+                   "what may move: whole poses, or yaw and position alone where gravity tells roll and pitch (z is up)")
+      ->check(CLI::IsMember({"full", "yaw"}))
       ->capture_default_str();
   add_robust_arguments(command, arguments->robust);
   command->add_option("--max-iterations", arguments->options.max_iterations, "stop after this many")

@@ -60,7 +60,8 @@ std::vector<std::size_t> find_anchors(const PoseGraph& graph, const Components& 
   return anchors;
 }
 
-void chain_along_edges(PoseGraph& graph) {
+std::vector<EdgeStep> breadth_first(const PoseGraph& graph) {
+  std::vector<EdgeStep> steps;
   const auto edges_of = edges_of_vertices(graph);
   const Components components = connected_components(graph);
   std::vector<bool> reached(graph.vertices.size(), false);
@@ -82,11 +83,19 @@ void chain_along_edges(PoseGraph& graph) {
       const Edge& edge = graph.edges[e];
       const std::size_t other = edge.from == v ? edge.to : edge.from;
       if (reached[other]) continue;
-      const Pose v_from_other = edge.from == v ? edge.from_from_to : edge.from_from_to.inverse();
-      graph.vertices[other].world_from_frame = graph.vertices[v].world_from_frame * v_from_other;
+      steps.push_back({e, v, other});
       reached[other] = true;
       queue.push_back(other);
     }
+  }
+  return steps;
+}
+
+void chain_along_edges(PoseGraph& graph) {
+  for (const EdgeStep& step : breadth_first(graph)) {
+    const Edge& edge = graph.edges[step.edge];
+    const Pose from_from_to = edge.from == step.from ? edge.from_from_to : edge.from_from_to.inverse();
+    graph.vertices[step.to].world_from_frame = graph.vertices[step.from].world_from_frame * from_from_to;
   }
 }
 

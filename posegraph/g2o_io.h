@@ -35,4 +35,9 @@ PoseGraph read_g2o(const std::filesystem::path& path, const G2oOptions& options 
 /// when it cannot be written.
 void write_g2o(const std::filesystem::path& path, const PoseGraph& graph);
 
+/// Writes TORO's lines: `VERTEX2`, `EDGE2` or `VERTEX3`, `EDGE3`, with as many digits as it takes, though angles in space read
+/// back with the rounding of a few products. Throws InputError for what TORO does not know (edges without scale, priors), and as
+/// write_g2o(). Fixed vertices are written as FIX lines, which read_g2o() knows.
+void write_toro(const std::filesystem::path& path, const PoseGraph& graph);
+
 }  // namespace fabloop

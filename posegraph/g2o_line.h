@@ -2,10 +2,16 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cstddef>
+#include <cstdint>
+#include <ostream>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "posegraph/pose_graph.h"
 
 /// The words of a .g2o line and how they are laid out (private).
 namespace fabloop::g2o {
@@ -56,6 +62,34 @@ inline std::string quoted(std::string_view word) {
   result += word;
   result += '\'';
   return result;
+}
+
+/// What an edge is taken for when nothing is said.
+inline EdgeKind usual_kind(std::int64_t from_id, std::int64_t to_id) {
+  return to_id - from_id == 1 || from_id - to_id == 1 ? EdgeKind::Odometry : EdgeKind::Loop;
+}
+
+/// The line before an edge of unusual kind.
+inline const char* kind_comment(EdgeKind kind) {
+  switch (kind) {
+    case EdgeKind::Odometry:
+      return "# kind: odometry\n";
+    case EdgeKind::Neighbour:
+      return "# kind: neighbour\n";
+    case EdgeKind::Loop:
+      return "# kind: loop\n";
+  }
+  return "";
+}
+
+inline constexpr const char* kKindExplanation =
+    "# Edges between consecutive ids are odometry and others are loops, unless a comment 'kind' stands before them.\n";
+
+/// " value" in the fewest digits that read back as the same bits.
+inline void write_number(std::ostream& out, double value) {
+  std::array<char, 32> buffer{};
+  const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  out.put(' ').write(buffer.data(), result.ptr - buffer.data());
 }
 
 }  // namespace fabloop::g2o

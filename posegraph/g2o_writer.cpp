@@ -1,22 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <ostream>
 
 #include "frontend/output_file.h"
 #include "posegraph/g2o_io.h"
+#include "posegraph/g2o_line.h"
 
 namespace fabloop {
 namespace {
 
-/// " value" in the fewest digits that read back as the same bits.
-void write_number(std::ostream& out, double value) {
-  std::array<char, 32> buffer{};
-  const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
-  out.put(' ').write(buffer.data(), result.ptr - buffer.data());
-}
+using namespace g2o;
 
 void write_pose(std::ostream& out, const Pose& pose, int dimension) {
   const auto& [q, t] = pose;
@@ -69,23 +64,8 @@ void write_prior(std::ostream& out, const PoseGraph& graph, const VertexPrior& p
   out << '\n';
 }
 
-/// What read_g2o() takes an edge for when nothing is said.
-EdgeKind usual_kind(const PoseGraph& graph, const Edge& edge) {
-  const std::int64_t from_id = graph.vertices[edge.from].id;
-  const std::int64_t to_id = graph.vertices[edge.to].id;
-  return to_id - from_id == 1 || from_id - to_id == 1 ? EdgeKind::Odometry : EdgeKind::Loop;
-}
-
-const char* kind_comment(EdgeKind kind) {
-  switch (kind) {
-    case EdgeKind::Odometry:
-      return "# kind: odometry\n";
-    case EdgeKind::Neighbour:
-      return "# kind: neighbour\n";
-    case EdgeKind::Loop:
-      return "# kind: loop\n";
-  }
-  return "";
+bool has_unusual_kind(const PoseGraph& graph, const Edge& edge) {
+  return edge.kind != usual_kind(graph.vertices[edge.from].id, graph.vertices[edge.to].id);
 }
 
 /// Some readers stop at comments, so there is one only where the file says what others do not know.
@@ -96,15 +76,13 @@ void write_header(std::ostream& out, const PoseGraph& graph) {
     out << "# EDGE_SE3_POSITION_PRIOR: id, x y z in the world, 6 upper-triangular information entries. EDGE_SE3_ATTITUDE_PRIOR:\n"
            "# id, qx qy qz qw of world_from_frame, of which roll and pitch count, 6 entries. Other programs skip them.\n";
   }
-  const auto has_unusual_kind = [&](const Edge& edge) { return edge.kind != usual_kind(graph, edge); };
+  const auto is_unusual = [&](const Edge& edge) { return has_unusual_kind(graph, edge); };
   if (std::any_of(graph.edges.begin(), graph.edges.end(), has_direction)) {
     out << "# EDGE_SE3_DIRECTION:QUAT has the columns of EDGE_SE3:QUAT, but its translation is a unit direction: the distance "
            "is\n"
            "# not known. The translation part of its information weighs the error of that direction. Other programs skip it.\n";
   }
-  if (std::any_of(graph.edges.begin(), graph.edges.end(), has_unusual_kind)) {
-    out << "# Edges between consecutive ids are odometry and others are loops, unless a comment 'kind' stands before them.\n";
-  }
+  if (std::any_of(graph.edges.begin(), graph.edges.end(), is_unusual)) out << kKindExplanation;
 }
 
 }  // namespace
@@ -125,7 +103,7 @@ void write_g2o(const std::filesystem::path& path, const PoseGraph& graph) {
     if (vertex.fixed) out << "FIX " << vertex.id << '\n';
   }
   for (const Edge& edge : graph.edges) {
-    if (edge.kind != usual_kind(graph, edge)) out << kind_comment(edge.kind);
+    if (has_unusual_kind(graph, edge)) out << kind_comment(edge.kind);
     out << (graph.dimension == 2 ? "EDGE_SE2 " : edge.has_scale ? "EDGE_SE3:QUAT " : "EDGE_SE3_DIRECTION:QUAT ");
     out << graph.vertices[edge.from].id << ' ' << graph.vertices[edge.to].id;
     write_pose(out, edge.from_from_to, graph.dimension);

@@ -10,7 +10,10 @@ enum class Initialization {
   AsGiven,       ///< The poses as they are: right when they come from a map that was solved before.
   SpanningTree,  ///< chain_along_edges(): the fewest edges from the anchors. Cheap; errors add up along the branches.
   Chordal,       ///< initialize_chordal(): all edges at once. Trusts every edge, so false loops spoil it.
-  LowestCost,    ///< Whichever of the three has the lowest cost, robust losses included, before anything is moved.
+  /// Several trajectories that only loops join: chain_sessions(), then align_sessions(). A false loop among several does no harm.
+  Sessions,
+  /// Whichever of these has the lowest cost, robust losses included, before anything is moved.
+  LowestCost,
 };
 
 /// Sets every vertex but the anchors (find_anchors()) from all edges at once, whatever the poses were, by two linear least

@@ -1,18 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "posegraph/optimize.h"
 
-#include <ceres/iteration_callback.h>
-#include <ceres/loss_function.h>
 #include <ceres/manifold.h>
 #include <ceres/problem.h>
-#include <ceres/solver.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "frontend/error.h"
@@ -21,59 +17,11 @@
 #include "posegraph/residuals/graph_costs.h"
 #include "posegraph/residuals/sparse_solver.h"
 #include "posegraph/residuals/yaw_manifold.h"
+#include "posegraph/robust/session_alignment.h"
 #include "posegraph/solver_state.h"
 
 namespace fabloop {
 namespace {
-
-/// A robust loss in Ceres' clothes.
-class Loss final : public ceres::LossFunction {
- public:
-  Loss(RobustLoss loss, double c2) : loss_(loss), c2_(c2) {}
-  void Evaluate(double s, double rho[3]) const override {
-    rho[0] = robust_cost(loss_, s, c2_);
-    rho[1] = robust_weight(loss_, s, c2_);
-    rho[2] = robust_curvature(loss_, s, c2_);
-  }
-
- private:
-  RobustLoss loss_;
-  double c2_;
-};
-
-/// Progress, cancelling, and when to stop. The cost falls by a factor of about `ratio` less with each iteration, so what is left
-/// to gain is the geometric series that goes on from the last two: one iteration less than waiting for one without gain.
-class IterationControl final : public ceres::IterationCallback {
- public:
-  explicit IterationControl(const OptimizeOptions& options) : options_(options) {}
-  ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
-    if (options_.progress) {
-      options_.progress("optimize", static_cast<std::size_t>(summary.iteration),
-                        static_cast<std::size_t>(options_.max_iterations));
-    }
-    cancelled = options_.cancelled && options_.cancelled();
-    // "Successfully" makes Ceres hand back the best poses so far.
-    return cancelled || has_converged(summary) ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
-  }
-
-  bool cancelled = false;
-
- private:
-  bool has_converged(const ceres::IterationSummary& summary) {
-    if (!summary.step_is_successful) {
-      last_change_ = 0.0;
-      return false;
-    }
-    const double change = std::exchange(last_change_, summary.cost_change);
-    // A slow series may hide a slower one.
-    constexpr double kMaxRatio = 0.1;
-    const double ratio = change > 0.0 ? summary.cost_change / change : 1.0;
-    return ratio <= kMaxRatio && summary.cost_change * ratio / (1.0 - ratio) <= options_.cost_tolerance * summary.cost;
-  }
-
-  const OptimizeOptions& options_;
-  double last_change_ = 0.0;
-};
 
 void check(const PoseGraph& graph, const OptimizeOptions& options) {
   check(graph);
@@ -117,16 +65,8 @@ OptimizeReport describe(const PoseGraph& graph, Objective objective) {
 struct Solver {
   ceres::EigenQuaternionManifold quaternion;
   residuals::YawManifold yaw;
-  std::vector<std::unique_ptr<Loss>> losses;
+  std::vector<std::unique_ptr<residuals::Loss>> losses;
 };
-
-ceres::Problem::Options unowned() {
-  ceres::Problem::Options options;
-  options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  return options;
-}
 
 void add_vertices(const PoseGraph& graph, const OptimizeReport& report, const OptimizeOptions& options,
                   std::vector<State>& states, Solver& solver, ceres::Problem& problem) {
@@ -150,7 +90,7 @@ void add_costs(const PoseGraph& graph, const GraphCosts& costs, std::vector<Stat
                ceres::Problem& problem) {
   for (std::size_t e = 0; e < graph.edges.size(); ++e) {
     const EdgeLoss loss = costs.losses()[e];
-    if (loss.loss != RobustLoss::None) solver.losses.push_back(std::make_unique<Loss>(loss.loss, loss.c2));
+    if (loss.loss != RobustLoss::None) solver.losses.push_back(std::make_unique<residuals::Loss>(loss.loss, loss.c2));
     problem.AddResidualBlock(costs.edge_residuals()[e].get(),
                              loss.loss == RobustLoss::None ? nullptr : solver.losses.back().get(),
                              blocks_of(graph.edges[e], graph.dimension, states));
@@ -161,26 +101,13 @@ void add_costs(const PoseGraph& graph, const GraphCosts& costs, std::vector<Stat
   for (double* const block : costs.world_blocks()) problem.SetParameterBlockConstant(block);
 }
 
-ceres::Solver::Options solver_options(const OptimizeOptions& options, Initialization start) {
-  ceres::Solver::Options result = residuals::sparse_solver_options(options);
-  result.parameter_tolerance = 1e-14;
-  // Near the optimum damping only holds up the bends that are as long as the map: take Gauss-Newton steps first.
-  constexpr double kHardlyDamped = 1e10;
-  if (start == Initialization::Chordal) result.initial_trust_region_radius = kHardlyDamped;
-  return result;
-}
-
-Termination termination_of(const ceres::Solver::Summary& summary, bool cancelled) {
-  if (cancelled) return Termination::Cancelled;
-  const bool stopped = summary.termination_type == ceres::USER_SUCCESS;
-  if (stopped || summary.termination_type == ceres::CONVERGENCE) return Termination::Converged;
-  if (summary.termination_type == ceres::NO_CONVERGENCE) return Termination::MaxIterations;
-  return Termination::Failed;
-}
-
 /// Puts the graph at one start.
-void initialize(PoseGraph& graph, Initialization initialization) {
+void initialize(PoseGraph& graph, Initialization initialization, const OptimizeOptions& options) {
   if (initialization == Initialization::SpanningTree) chain_along_edges(graph);
+  if (initialization == Initialization::Sessions) {
+    chain_sessions(graph, options.robust_kinds);
+    align_sessions(graph, {options.robust_kinds, options.robust_probability});
+  }
   if (initialization == Initialization::Chordal) initialize_chordal(graph);
   if (initialization != Initialization::AsGiven) move_to_priors(graph);
 }
@@ -188,15 +115,16 @@ void initialize(PoseGraph& graph, Initialization initialization) {
 /// Puts the graph at its start and says which one that is; `given_cost` is that of the poses given.
 Initialization choose_start(PoseGraph& graph, const GraphCosts& costs, double given_cost, const OptimizeOptions& options) {
   if (options.initialization != Initialization::LowestCost) {
-    initialize(graph, options.initialization);
+    initialize(graph, options.initialization, options);
     return options.initialization;
   }
   Initialization best = Initialization::AsGiven;
   double lowest_cost = given_cost;
   const PoseGraph given = graph;
-  for (const Initialization candidate : {Initialization::SpanningTree, Initialization::Chordal}) {
+  for (const Initialization candidate : {Initialization::SpanningTree, Initialization::Chordal, Initialization::Sessions}) {
+    if (candidate == Initialization::Sessions && num_sessions(given, options.robust_kinds) == 1) continue;
     PoseGraph start = given;
-    initialize(start, candidate);
+    initialize(start, candidate, options);
     std::vector<State> states = read_states(start);
     const double cost = costs.sum(costs.evaluate_edges(states), costs.evaluate_priors(states));
     if (cost >= lowest_cost) continue;
@@ -211,16 +139,12 @@ Initialization choose_start(PoseGraph& graph, const GraphCosts& costs, double gi
 void solve(const PoseGraph& graph, const GraphCosts& costs, const OptimizeOptions& options, std::vector<State>& states,
            OptimizeReport& report) {
   Solver solver;
-  ceres::Problem problem(unowned());
+  ceres::Problem problem(residuals::unowned());
   add_vertices(graph, report, options, states, solver, problem);
   add_costs(graph, costs, states, solver, problem);
-  ceres::Solver::Options ceres_options = solver_options(options, report.start);
-  IterationControl control(options);
-  ceres_options.callbacks.push_back(&control);
-  ceres::Solver::Summary summary;
-  ceres::Solve(ceres_options, &problem, &summary);
-  report.termination = termination_of(summary, control.cancelled);
-  report.iterations = summary.num_successful_steps + summary.num_unsuccessful_steps - 1;
+  const residuals::SolverRun run = residuals::run(options, report.start, problem);
+  report.termination = run.termination;
+  report.iterations = run.iterations;
 }
 
 }  // namespace

@@ -54,7 +54,7 @@ struct OptimizeOptions {
   RobustLoss robust_loss = RobustLoss::None;
   /// The scale of the loss: the probability that a right edge's chi-square stays inside the parabola. Lower distrusts more.
   double robust_probability = 0.99;
-  /// Which edges get the loss. Odometry is what the loops are judged against, so it stays quadratic by default.
+  /// Which edges get the loss; the others hold sessions together. Odometry judges the loops, so it stays quadratic by default.
   std::vector<EdgeKind> robust_kinds = {EdgeKind::Loop};
   /// More for graphs that start far from their optimum; fewer to bound the time.
   int max_iterations = 200;

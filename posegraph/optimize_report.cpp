@@ -32,6 +32,8 @@ std::string_view in_words(Initialization initialization) {
       return "chained along a spanning tree";
     case Initialization::Chordal:
       return "chordal relaxation";
+    case Initialization::Sessions:
+      return "sessions chained, and placed by the loops that agree";
     case Initialization::LowestCost:
       return "the start of lowest cost";
   }

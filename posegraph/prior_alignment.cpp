@@ -50,7 +50,7 @@ std::optional<Pose> motion_to_positions(const PoseGraph& graph, const std::vecto
   constexpr Eigen::Index kMinToTurn = 3;
   if (count >= kMinToTurn) {
     if (const std::optional<Similarity> similarity = align_points(now, wanted, Alignment::Se3)) {
-      return Pose{Eigen::Quaterniond(similarity->rotation), similarity->translation};
+      return pose_of(*similarity);
     }
   }
   return Pose{Eigen::Quaterniond::Identity(), wanted.rowwise().mean() - now.rowwise().mean()};

@@ -2,7 +2,6 @@
 #include "posegraph/staircase.h"
 
 #include <ceres/problem.h>
-#include <ceres/solver.h>
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
@@ -61,10 +60,7 @@ void descend(const PoseGraph& graph, const OptimizeOptions& options, Eigen::Matr
   const auto rotation = [&](std::size_t v) { return stacked.col(column_of(v, d) + 1).data(); };
   StiefelManifold manifold(r, d);
   std::vector<std::unique_ptr<LiftedResidual>> edges;
-  ceres::Problem::Options problem_options;
-  problem_options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  problem_options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  ceres::Problem problem(problem_options);
+  ceres::Problem problem(residuals::unowned());
   for (std::size_t v = 0; v < graph.vertices.size(); ++v) {
     problem.AddParameterBlock(rotation(v), r * d, &manifold);
     problem.AddParameterBlock(translation(v), r);
@@ -78,8 +74,7 @@ void descend(const PoseGraph& graph, const OptimizeOptions& options, Eigen::Matr
     problem.SetParameterBlockConstant(rotation(v));
     problem.SetParameterBlockConstant(translation(v));
   }
-  ceres::Solver::Summary summary;
-  ceres::Solve(residuals::sparse_solver_options(options), &problem, &summary);
+  residuals::run(options, Initialization::AsGiven, problem);
 }
 
 /// Rotations and translations of d rows from those of more: the best d-dimensional subspace, then the nearest rotations (Rosen et

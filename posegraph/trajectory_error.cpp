@@ -96,8 +96,7 @@ std::vector<PosePair> associate(const Trajectory& estimate, const Trajectory& re
 }
 
 std::optional<Similarity> align_points(const Eigen::Matrix3Xd& estimate, const Eigen::Matrix3Xd& reference, Alignment alignment) {
-  Similarity result;
-  if (alignment == Alignment::None) return result;
+  if (alignment == Alignment::None) return Similarity{};
   if (estimate.cols() != reference.cols() || estimate.cols() < 2) return std::nullopt;
   const Eigen::Vector3d mean_estimate = estimate.rowwise().mean();
   const Eigen::Vector3d mean_reference = reference.rowwise().mean();
@@ -107,17 +106,15 @@ std::optional<Similarity> align_points(const Eigen::Matrix3Xd& estimate, const E
   if (!(spread > 0.0)) return std::nullopt;
   const Eigen::Matrix3d covariance = centred_reference * centred_estimate.transpose();
   if (alignment == Alignment::Yaw) {
-    result.rotation = best_yaw(covariance);
-    result.translation = mean_reference - result.rotation * mean_estimate;
-    return result;
+    const Eigen::Matrix3d rotation = best_yaw(covariance);
+    return Similarity{1.0, Eigen::Quaterniond(rotation), mean_reference - rotation * mean_estimate};
   }
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Vector3d signs = Eigen::Vector3d::Ones();
   if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0) signs(2) = -1.0;
-  result.rotation = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
-  if (alignment == Alignment::Sim3) result.scale = svd.singularValues().dot(signs) / spread;
-  result.translation = mean_reference - result.scale * result.rotation * mean_estimate;
-  return result;
+  const Eigen::Matrix3d rotation = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+  const double scale = alignment == Alignment::Sim3 ? svd.singularValues().dot(signs) / spread : 1.0;
+  return Similarity{scale, Eigen::Quaterniond(rotation), mean_reference - scale * rotation * mean_estimate};
 }
 
 std::optional<AbsoluteTrajectoryError> absolute_trajectory_error(const Trajectory& estimate, const Trajectory& reference,
@@ -130,9 +127,7 @@ std::optional<AbsoluteTrajectoryError> absolute_trajectory_error(const Trajector
   std::vector<double> errors;
   errors.reserve(pairs.size());
   for (const PosePair& pair : pairs) {
-    const Eigen::Vector3d moved =
-        similarity->scale * (similarity->rotation * estimate_of(pair).translation) + similarity->translation;
-    errors.push_back((moved - reference_of(pair).translation).norm());
+    errors.push_back((*similarity * estimate_of(pair).translation - reference_of(pair).translation).norm());
   }
   return AbsoluteTrajectoryError{statistics(std::move(errors)), *similarity};
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "frontend/geometry/pose.h"
+#include "frontend/geometry/similarity.h"
 #include "frontend/sequence/trajectory.h"
 
 namespace fabloop {
@@ -17,13 +18,6 @@ enum class Alignment {
   Se3,   ///< Rotation and translation (`evo_ape -a`).
   Sim3,  ///< Also scale, for monocular trajectories without it (`evo_ape -as`).
   Yaw,   ///< Heading and translation, for trajectories that know where down is; z is up (Zhang & Scaramuzza, IROS 2018: posyaw).
-};
-
-/// x_in_reference = scale * rotation * x_in_estimate + translation.
-struct Similarity {
-  double scale = 1.0;
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero();
 };
 
 /// Moments of a list of errors; all zero for an empty one.

@@ -29,7 +29,7 @@ double aligned_rmse(const std::vector<Vertex>& estimate, const std::vector<Verte
   const Eigen::Matrix3Xd to = positions_of(truth);
   const auto similarity = align_points(from, to, Alignment::Se3);
   if (!similarity) return 0.0;
-  const Eigen::Matrix3Xd moved = (similarity->rotation * from).colwise() + similarity->translation;
+  const Eigen::Matrix3Xd moved = (similarity->rotation.toRotationMatrix() * from).colwise() + similarity->translation;
   return std::sqrt((moved - to).colwise().squaredNorm().mean());
 }
 

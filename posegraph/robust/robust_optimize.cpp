@@ -8,11 +8,11 @@
 
 #include "frontend/error.h"
 #include "frontend/names.h"
-#include "posegraph/connectivity.h"
 #include "posegraph/robust/consistent_loops.h"
 #include "posegraph/robust/graduated.h"
 #include "posegraph/robust/loop_clusters.h"
 #include "posegraph/robust/loop_consistency.h"
+#include "posegraph/robust/session_alignment.h"
 #include "posegraph/robust/switchable.h"
 #include "posegraph/robust/weighted_solve.h"
 #include "verification/chi_square.h"
@@ -88,16 +88,12 @@ EdgeWeights weights_of(const Roles& roles, double weight) {
   return edges;
 }
 
-/// Poses chained along the trusted edges, then settled between them and the loops accepted by force.
-void go_to_odometry(PoseGraph& graph, const Roles& roles, const OptimizeOptions& options) {
-  PoseGraph trusted = graph;
-  trusted.edges.clear();
-  for (std::size_t e = 0; e < graph.edges.size(); ++e) {
-    if (roles.forced[e] == EdgeVerdict::Trusted) trusted.edges.push_back(graph.edges[e]);
-  }
-  chain_along_edges(trusted);
-  graph.vertices = std::move(trusted.vertices);
-  solve_weighted(graph, weights_of(roles, 0.0), options);
+/// Poses chained along the trusted edges, several sessions placed by the loops that agree, then settled between the trusted edges
+/// and the loops accepted by force.
+void go_to_odometry(PoseGraph& graph, const Roles& roles, const RobustOptions& options) {
+  chain_sessions(graph, options.doubted);
+  align_sessions(graph, {options.doubted, options.inlier_probability});
+  solve_weighted(graph, weights_of(roles, 0.0), options.optimize);
 }
 
 RobustLoss loss_of(BackEnd back_end) {
@@ -226,7 +222,7 @@ std::string RobustReport::brief() const {
 RobustReport robust_optimize(PoseGraph& graph, const RobustOptions& options) {
   check(graph, options);
   const Roles roles = roles_of(graph, options);
-  if (options.start == RobustStart::Odometry && options.warm_weights.empty()) go_to_odometry(graph, roles, options.optimize);
+  if (options.start == RobustStart::Odometry && options.warm_weights.empty()) go_to_odometry(graph, roles, options);
   Solution solution = solve(graph, roles, options);
   const std::vector<double> chi2 = evaluate_chi2(graph, options.optimize.objective);
   RobustReport report;

@@ -33,7 +33,7 @@ struct EdgeDecision {
 
 /// Where robust_optimize() begins.
 enum class RobustStart {
-  /// Where the trusted edges alone lead: no false loop can have bent it.
+  /// Where the trusted edges alone lead: no false loop can have bent it. Several trajectories are placed by align_sessions().
   Odometry,
   /// The poses as they are, after an earlier solve, say.
   AsGiven,
@@ -77,7 +77,7 @@ struct RobustOptions {
 
 /// What robust_optimize() did.
 struct RobustReport {
-  OptimizeReport last_solve;        ///< Its `edges` are those that had a weight, in the graph's order; none with switches.
+  OptimizeReport last_solve;        ///< Its `edges` are those that had a weight, in the graph's order.
   std::vector<EdgeDecision> edges;  ///< One per edge, in the graph's order.
   std::size_t num_solves = 0;
   std::size_t num_kept = 0;      ///< Doubted edges that are kept, forced ones too.

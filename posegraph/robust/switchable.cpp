@@ -4,7 +4,6 @@
 #include <ceres/cost_function.h>
 #include <ceres/manifold.h>
 #include <ceres/problem.h>
-#include <ceres/solver.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +12,7 @@
 #include "posegraph/connectivity.h"
 #include "posegraph/residuals/residuals.h"
 #include "posegraph/residuals/sparse_solver.h"
+#include "posegraph/residuals/yaw_manifold.h"
 #include "posegraph/robust/weighted_solve.h"
 #include "posegraph/solver_state.h"
 
@@ -65,18 +65,15 @@ class SwitchedSolve {
   OptimizeReport run(const OptimizeOptions& options) {
     states_ = read_states(graph_);
     ceres::Problem ceres_problem(problem_options());
-    build(ceres_problem, options.objective);
-    ceres::Solver::Summary summary;
-    ceres::Solve(residuals::sparse_solver_options(options), &ceres_problem, &summary);
+    build(ceres_problem, options);
+    const residuals::SolverRun run = residuals::run(options, Initialization::AsGiven, ceres_problem);
     OptimizeReport report;
-    report.initial_cost = 2.0 * summary.initial_cost;
-    report.final_cost = 2.0 * summary.final_cost;
-    report.iterations = std::max(0, static_cast<int>(summary.iterations.size()) - 1);
+    report.initial_cost = run.initial_cost;
+    report.final_cost = run.final_cost;
+    report.iterations = run.iterations;
+    report.termination = run.termination;
     report.anchors = anchors_;
     report.num_components = num_components_;
-    report.termination = summary.termination_type == ceres::CONVERGENCE      ? Termination::Converged
-                         : summary.termination_type == ceres::NO_CONVERGENCE ? Termination::MaxIterations
-                                                                             : Termination::Failed;
     if (report.termination == Termination::Failed) return report;
     for (std::size_t v = 0; v < states_.size(); ++v) {
       if (!std::binary_search(anchors_.begin(), anchors_.end(), v)) {
@@ -102,12 +99,14 @@ class SwitchedSolve {
     return options;
   }
 
-  void build(ceres::Problem& ceres_problem, Objective objective) {
+  void build(ceres::Problem& ceres_problem, const OptimizeOptions& options) {
+    ceres::Manifold* const rotations =
+        options.freedom == Freedom::YawAndPosition ? static_cast<ceres::Manifold*>(&yaw_) : &quaternion_;
     for (State& state : states_) {
       if (graph_.dimension == 2) {
         ceres_problem.AddParameterBlock(state.data(), 3);
       } else {
-        ceres_problem.AddParameterBlock(state.data(), 4, &quaternion_);
+        ceres_problem.AddParameterBlock(state.data(), 4, rotations);
         ceres_problem.AddParameterBlock(state.data() + 4, 3);
       }
     }
@@ -118,7 +117,7 @@ class SwitchedSolve {
       const Edge& edge = graph_.edges[e];
       used.edges.push_back(edge);
       std::vector<double*> blocks = blocks_of(edge, graph_.dimension, states_);
-      std::unique_ptr<ceres::CostFunction> residual = residuals::make_residual(edge, graph_.dimension, objective);
+      std::unique_ptr<ceres::CostFunction> residual = residuals::make_residual(edge, graph_.dimension, options.objective);
       if (problem_.has_switch[e]) {
         blocks.push_back(&switches_[e]);
         residual = std::make_unique<SwitchedResidual>(std::move(residual), problem_.c2[e]);
@@ -137,6 +136,7 @@ class SwitchedSolve {
   PoseGraph& graph_;
   const SwitchableProblem& problem_;
   ceres::EigenQuaternionManifold quaternion_;
+  residuals::YawManifold yaw_;
   std::vector<State> states_;
   std::vector<double> switches_;
   std::vector<std::size_t> anchors_;
@@ -150,6 +150,10 @@ SwitchableResult solve_with_switches(PoseGraph& graph, const SwitchableProblem& 
   SwitchableResult result;
   result.solve = solve.run(options);
   result.weights = solve.weights();
+  const std::vector<double> chi2 = evaluate_chi2(graph, options.objective);
+  for (std::size_t e = 0; e < chi2.size(); ++e) {
+    if (problem.weights[e] != 0.0) result.solve.edges.push_back({chi2[e], result.weights[e]});
+  }
   return result;
 }
 

@@ -6,6 +6,7 @@
 
 #include "frontend/sequence/trajectory_formats.h"
 #include "posegraph/g2o_io.h"
+#include "posegraph/similarity_g2o_io.h"
 #include "tests/apps/program.h"
 #include "tests/posegraph/long_walk.h"
 #include "tests/posegraph/scratch_folder.h"
@@ -71,6 +72,58 @@ TEST_F(RobustCommand, NamesAForcedEdgeThatIsNoLoop) {
   expect_refused(
       run_fabloop({"optimize", graph_.string(), "--out", (scratch_.path() / "out.g2o").string(), "--reject", "0", "--quiet"}),
       "edge 0");
+}
+
+TEST_F(RobustCommand, SolvesSimilaritiesAndSaysWhatItDoesNotDoForThem) {
+  SimilarityGraph graph = similarity_graph_from(read_g2o(graph_), 0.01);
+  graph.vertices[40].world_from_frame.scale = 2.0;
+  const auto in = scratch_.path() / "similarities.g2o";
+  const auto out = scratch_.path() / "solved.g2o";
+  write_g2o(in, graph);
+  const std::vector<std::string> command = {"optimize", in.string(), "--out", out.string(), "--quiet", "--overwrite"};
+  const auto with = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> all = command;
+    all.insert(all.end(), more.begin(), more.end());
+    return run_fabloop(all);
+  };
+  expect_refused(with({"--certify"}), in.string());
+  expect_refused(with({"--robust", "gnc-truncated"}), in.string());
+  expect_refused(with({"--reject", "95"}), in.string());
+  EXPECT_FALSE(std::filesystem::exists(out));
+  EXPECT_EQ(with({"--robust", "dcs"}).exit_code, 0);
+  EXPECT_NEAR(read_similarity_g2o(out).vertices[40].world_from_frame.scale, 1.0, 0.1);
+}
+
+TEST_F(RobustCommand, KeepsRollAndPitchOnRequest) {
+  const auto out = scratch_.path() / "level.g2o";
+  const std::vector<std::string> command = {"optimize", graph_.string(), "--out", out.string(), "--quiet", "--freedom", "yaw"};
+  EXPECT_EQ(run_fabloop(command).exit_code, 0);
+  const PoseGraph before = read_g2o(graph_);
+  const PoseGraph after = read_g2o(out);
+  double moved = 0.0;
+  for (std::size_t v = 0; v < before.vertices.size(); ++v) {
+    const auto up = [&](const PoseGraph& graph) -> Eigen::Vector3d {
+      return graph.vertices[v].world_from_frame.rotation.conjugate() * Eigen::Vector3d::UnitZ();
+    };
+    EXPECT_LT((up(before) - up(after)).norm(), 1e-9);
+    moved += (before.vertices[v].world_from_frame.translation - after.vertices[v].world_from_frame.translation).norm();
+  }
+  EXPECT_GT(moved, 0.1);
+  std::vector<std::string> certified = command;
+  certified.insert(certified.end(), {"--certify", "--overwrite"});
+  expect_refused(run_fabloop(certified), "--freedom");
+}
+
+TEST_F(RobustCommand, ConvertTakesGraphsToToroAndBack) {
+  const auto toro = scratch_.path() / "walk.graph";
+  const auto back = scratch_.path() / "back.g2o";
+  EXPECT_EQ(run_fabloop({"convert", graph_.string(), "--out", toro.string(), "--graph-to", "toro"}).exit_code, 0);
+  EXPECT_EQ(run_fabloop({"convert", toro.string(), "--out", back.string(), "--graph-to", "g2o"}).exit_code, 0);
+  const PoseGraph before = read_g2o(graph_);
+  const PoseGraph after = read_g2o(back);
+  EXPECT_EQ(after.edges.size(), before.edges.size());
+  EXPECT_EQ(test::largest_distance(before, after), 0.0);
+  expect_refused(run_fabloop({"convert", toro.string(), "--out", back.string(), "--graph-to", "g2o"}), back.string());
 }
 
 TEST_F(RobustCommand, StudyPrintsARowForEachTrial) {

@@ -247,6 +247,40 @@ TEST(G2o, ReadsToro) {
   EXPECT_LT(evaluate_cost(spatial), 1e-20);
 }
 
+TEST(G2o, ToroRoundTrips) {
+  const ScratchFolder folder;
+  for (const int dimension : {2, 3}) {
+    PoseGraph graph = test::random_graph(dimension, 12, 6, 0.1, 1);
+    test::RandomPoses random(2);
+    for (Edge& e : graph.edges) {
+      e.information = random.information();
+      // What is not of the plane is not written.
+      if (dimension == 2) e.information.middleRows<3>(2).setZero(), e.information.middleCols<3>(2).setZero();
+    }
+    // Straight up, where roll and yaw turn about one axis.
+    if (dimension == 3) graph.vertices[3].world_from_frame.rotation = Eigen::AngleAxisd(-0.5 * kPi, Eigen::Vector3d::UnitY());
+    graph.edges[2].kind = EdgeKind::Neighbour;
+    graph.vertices[1].fixed = true;
+    write_toro(folder.path() / "a.graph", graph);
+    const PoseGraph read = read_g2o(folder.path() / "a.graph");
+    EXPECT_EQ(read.dimension, dimension);
+    EXPECT_EQ(test::largest_distance(read, graph), 0.0);
+    // Three turns and their angles round a few times; next to straight up, sines lose half of the digits.
+    EXPECT_LT(test::largest_angle(read, graph), 1e-7);
+    EXPECT_TRUE(read.vertices[1].fixed);
+    for (std::size_t e = 0; e < graph.edges.size(); ++e) {
+      EXPECT_EQ(read.edges[e].information, graph.edges[e].information);
+      EXPECT_EQ(read.edges[e].kind, graph.edges[e].kind);
+      const Eigen::Quaterniond& rotation = graph.edges[e].from_from_to.rotation;
+      EXPECT_LT(rotation_angle(read.edges[e].from_from_to.rotation.conjugate() * rotation), 1e-13);
+    }
+  }
+  PoseGraph directed = test::random_graph(3, 4, 1, 0.1, 1);
+  directed.edges[1].has_scale = false;
+  EXPECT_THAT(message_of<InputError>([&] { write_toro(folder.path() / "b.graph", directed); }), HasSubstr("edge 1"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "b.graph"));
+}
+
 TEST(G2o, EdgesWithoutInformationSayNothing) {
   const ScratchFolder folder;
   std::string zero;

@@ -117,7 +117,7 @@ TEST(TrajectoryError, AlignmentNeverMirrors) {
   for (StampedPose& stamped : reference) stamped.world_from_camera.translation.z() *= 20.0;
   const auto ate = absolute_trajectory_error(mirrored, reference);
   ASSERT_TRUE(ate);
-  EXPECT_NEAR(ate->reference_from_estimate.rotation.determinant(), 1.0, 1e-12);
+  EXPECT_NEAR(ate->reference_from_estimate.rotation.toRotationMatrix().determinant(), 1.0, 1e-12);
   EXPECT_GT(ate->translation_m.rmse, 1.0);
 }
 

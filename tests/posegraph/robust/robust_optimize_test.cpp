@@ -141,6 +141,20 @@ TEST(RobustOptimize, OdometryIsNeverRejected) {
   }
 }
 
+TEST(RobustOptimize, SwitchesTellWhatTheyDoAndCanBeStopped) {
+  test::Circle circle = circle_of(1);
+  std::size_t num_told = 0;
+  RobustOptions options = with(BackEnd::SwitchableConstraints);
+  // Poses as given, so that the solve with switches is the only one.
+  options.start = RobustStart::AsGiven;
+  options.optimize.progress = [&](std::string_view, std::size_t, std::size_t) { ++num_told; };
+  options.optimize.cancelled = [&] { return num_told == 2; };
+  const RobustReport report = robust_optimize(circle.graph, options);
+  EXPECT_EQ(num_told, 2u);
+  EXPECT_EQ(report.last_solve.termination, Termination::Cancelled);
+  EXPECT_EQ(report.last_solve.edges.size(), circle.graph.edges.size());
+}
+
 TEST(RobustOptimize, TheSameInputGivesTheSameBits) {
   PoseGraph first = circle_of(5).graph;
   add_false_loops(first);
