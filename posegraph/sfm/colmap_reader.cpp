@@ -25,7 +25,8 @@ using Id = std::int64_t;
 class Lines {
  public:
   explicit Lines(fs::path path) : path_(std::move(path)), in_(path_) {
-    if (!in_) throw InputError(path_.string() + ": cannot be read; a COLMAP text model has cameras.txt, images.txt and points3D.txt");
+    if (!in_)
+      throw InputError(path_.string() + ": cannot be read; a COLMAP text model has cameras.txt, images.txt and points3D.txt");
   }
 
   /// The next line with anything on it.
@@ -94,7 +95,8 @@ Pose world_from_colmap_pose(Lines& lines, std::istringstream& line) {
   double qw = 0, qx = 0, qy = 0, qz = 0;
   Pose camera_from_world;
   Eigen::Vector3d& t = camera_from_world.translation;
-  if (!(line >> qw >> qx >> qy >> qz >> t.x() >> t.y() >> t.z())) lines.fail("expected IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME");
+  if (!(line >> qw >> qx >> qy >> qz >> t.x() >> t.y() >> t.z()))
+    lines.fail("expected IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME");
   camera_from_world.rotation = Eigen::Quaterniond(qw, qx, qy, qz);
   constexpr double kUnitLength = 1e-3;
   if (!(std::abs(camera_from_world.rotation.norm() - 1) < kUnitLength) || !t.allFinite()) {
@@ -146,7 +148,8 @@ void place_in_sequence(std::vector<ReadImage>& images, const fs::path& folder) {
   for (std::size_t i = 0; i < images.size(); ++i) {
     PlacedImage& placed = images[i].placed;
     constexpr std::int64_t kSecond = 1'000'000'000;
-    const auto found = all_known ? known.at(placed.image_path.lexically_normal()) : std::pair(i, static_cast<std::int64_t>(i) * kSecond);
+    const auto found =
+        all_known ? known.at(placed.image_path.lexically_normal()) : std::pair(i, static_cast<std::int64_t>(i) * kSecond);
     placed.frame = found.first;
     placed.time_ns = found.second;
   }
@@ -156,7 +159,8 @@ void place_in_sequence(std::vector<ReadImage>& images, const fs::path& folder) {
 void read_points(const fs::path& path, const std::vector<ReadImage>& images, Reconstruction& result) {
   std::unordered_map<Id, std::size_t> index;
   for (std::size_t i = 0; i < images.size(); ++i) {
-    if (!index.emplace(images[i].id, i).second) throw InputError(path.string() + ": image " + std::to_string(images[i].id) + " stands twice in images.txt");
+    if (!index.emplace(images[i].id, i).second)
+      throw InputError(path.string() + ": image " + std::to_string(images[i].id) + " stands twice in images.txt");
   }
   Lines lines(path);
   std::istringstream line;
@@ -166,7 +170,8 @@ void read_points(const fs::path& path, const std::vector<ReadImage>& images, Rec
     int r = 0, g = 0, b = 0;
     double error = 0;
     Eigen::Vector3d& x = point.x_in_world;
-    if (!(line >> id >> x.x() >> x.y() >> x.z() >> r >> g >> b >> error)) lines.fail("expected POINT3D_ID X Y Z R G B ERROR TRACK");
+    if (!(line >> id >> x.x() >> x.y() >> x.z() >> r >> g >> b >> error))
+      lines.fail("expected POINT3D_ID X Y Z R G B ERROR TRACK");
     point.red_green_blue = {static_cast<unsigned char>(r), static_cast<unsigned char>(g), static_cast<unsigned char>(b)};
     Id image = 0;
     std::size_t observation = 0;
@@ -179,7 +184,8 @@ void read_points(const fs::path& path, const std::vector<ReadImage>& images, Rec
       point.track.push_back({found->second, images[found->second].pixels[observation]});
     }
     if (!line.eof()) lines.fail("expected pairs IMAGE_ID POINT2D_IDX");
-    std::stable_sort(point.track.begin(), point.track.end(), [](const Sighting& a, const Sighting& c) { return a.image < c.image; });
+    std::stable_sort(point.track.begin(), point.track.end(),
+                     [](const Sighting& a, const Sighting& c) { return a.image < c.image; });
     const auto same = [](const Sighting& a, const Sighting& c) { return a.image == c.image; };
     point.track.erase(std::unique(point.track.begin(), point.track.end(), same), point.track.end());
     result.points.push_back(std::move(point));

@@ -36,7 +36,8 @@ void write_cameras(const fs::path& path, const Reconstruction& reconstruction) {
   file.stream() << "# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n";
   for (std::size_t i = 0; i < reconstruction.cameras.size(); ++i) {
     const ColmapCamera camera = colmap_from_camera(reconstruction.cameras[i]);
-    file.stream() << i + 1 << ' ' << camera.model << ' ' << reconstruction.cameras[i].width << ' ' << reconstruction.cameras[i].height;
+    file.stream() << i + 1 << ' ' << camera.model << ' ' << reconstruction.cameras[i].width << ' '
+                  << reconstruction.cameras[i].height;
     for (const double parameter : camera.parameters) file.stream() << ' ' << parameter;
     file.stream() << '\n';
   }
@@ -49,7 +50,8 @@ struct Observation2d {
   std::size_t point;
 };
 
-void write_images(const fs::path& path, const Reconstruction& reconstruction, const std::vector<std::vector<Observation2d>>& shown) {
+void write_images(const fs::path& path, const Reconstruction& reconstruction,
+                  const std::vector<std::vector<Observation2d>>& shown) {
   const fs::path base = common_folder(reconstruction.images);
   OutputFile file(path);
   std::ostream& out = file.stream();
@@ -65,7 +67,8 @@ void write_images(const fs::path& path, const Reconstruction& reconstruction, co
         << ' ' << image.camera + 1 << ' ' << (base.empty() ? image.image_path.generic_string() : name) << '\n';
     for (std::size_t k = 0; k < shown[i].size(); ++k) {
       const Eigen::Vector2d& pixel = shown[i][k].pixel;
-      out << (k > 0 ? " " : "") << pixel.x() + kColmapHalfPixel << ' ' << pixel.y() + kColmapHalfPixel << ' ' << shown[i][k].point + 1;
+      out << (k > 0 ? " " : "") << pixel.x() + kColmapHalfPixel << ' ' << pixel.y() + kColmapHalfPixel << ' '
+          << shown[i][k].point + 1;
     }
     out << '\n';
   }
@@ -86,7 +89,8 @@ double mean_error_px(const Reconstruction& reconstruction, const ScenePoint& poi
   return count > 0 ? sum / static_cast<double>(count) : 0.0;
 }
 
-void write_points(const fs::path& path, const Reconstruction& reconstruction, const std::vector<std::vector<std::size_t>>& index_in_image) {
+void write_points(const fs::path& path, const Reconstruction& reconstruction,
+                  const std::vector<std::vector<std::size_t>>& index_in_image) {
   OutputFile file(path);
   std::ostream& out = file.stream();
   set_exact(out);

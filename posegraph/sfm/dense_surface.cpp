@@ -7,7 +7,8 @@
 namespace fabloop {
 namespace {
 
-/// How far from the sparse surface to search: beyond what the points show, as roofs and crowns have few; in parts of the flying height.
+/// How far from the sparse surface to search: beyond what the points show, as roofs and crowns have few; in parts of the flying
+/// height.
 double search_range(const SparseSurface& sparse) {
   constexpr double kBeyondPoints = 1.5;
   constexpr double kLeast = 0.04;
@@ -34,7 +35,8 @@ HeightField dense_surface(const SparseSurface& sparse, const std::vector<GroundV
     const GroundGrid grid = with_spacing(sparse.field.grid, spacing);
     const bool is_first = level == options.coarsest_level;
     if (!is_first && static_cast<std::size_t>(grid.rows) * grid.columns > options.max_cells) break;
-    // Neighbouring views lie a third of the height apart or more, so that a step moves them by a third of a cell against each other.
+    // Neighbouring views lie a third of the height apart or more, so that a step moves them by a third of a cell against each
+    // other.
     constexpr double kStepsAboutCoarser = 4;
     surface = plane_sweep(resampled(surface, grid), views, images, range, spacing, level, sparse.flying_height, options.sweep);
     range = kStepsAboutCoarser * 0.5 * spacing;

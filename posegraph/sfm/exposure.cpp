@@ -49,7 +49,10 @@ std::vector<Pair> collect_pairs(const MosaicBlocks& blocks) {
 class ChannelProblem {
  public:
   ChannelProblem(const std::vector<Pair>& pairs, const std::vector<std::size_t>& camera_of, std::size_t num_cameras, int channel)
-      : pairs_(pairs), camera_of_(camera_of), channel_(channel), size_(static_cast<Eigen::Index>(camera_of.size() + kPowers * num_cameras)) {}
+      : pairs_(pairs),
+        camera_of_(camera_of),
+        channel_(channel),
+        size_(static_cast<Eigen::Index>(camera_of.size() + kPowers * num_cameras)) {}
 
   Eigen::VectorXd solve() const {
     constexpr int kRounds = 5;

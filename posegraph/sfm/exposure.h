@@ -22,7 +22,8 @@ struct Exposure {
 };
 
 /// Least squares over all pairs of views that show a block, in logarithms (as Brown & Lowe 2007, eq. 29, with the fall-off
-/// as further unknowns), under Huber's loss; gains are held near 1 as far as the pairs do not tell them. `camera_of` has one index a view.
+/// as further unknowns), under Huber's loss; gains are held near 1 as far as the pairs do not tell them. `camera_of` has one
+/// index a view.
 Exposure equalise_exposure(const MosaicBlocks& blocks, const std::vector<std::size_t>& camera_of, std::size_t num_cameras);
 
 }  // namespace fabloop

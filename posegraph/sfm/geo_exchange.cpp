@@ -68,7 +68,9 @@ std::string escaped(const std::string& text) {
   return result;
 }
 
-nlohmann::ordered_json json_coordinates(const GeoPoint& place) { return {place.longitude_deg, place.latitude_deg, place.altitude_m}; }
+nlohmann::ordered_json json_coordinates(const GeoPoint& place) {
+  return {place.longitude_deg, place.latitude_deg, place.altitude_m};
+}
 
 nlohmann::ordered_json line_feature(const nlohmann::ordered_json& coordinates, const nlohmann::ordered_json& properties) {
   return {{"type", "Feature"}, {"properties", properties}, {"geometry", {{"type", "LineString"}, {"coordinates", coordinates}}}};
@@ -96,7 +98,8 @@ void write_track_kml(const std::filesystem::path& path, const Reconstruction& re
       << escaped(name)
       << "</name>\n<Style id=\"track\"><LineStyle><color>ffc85a14</color><width>3</width></LineStyle></Style>\n"
          "<Style id=\"loop\"><LineStyle><color>9946a028</color><width>1</width></LineStyle></Style>\n"
-         "<Placemark>\n<name>track</name>\n<styleUrl>#track</styleUrl>\n<LineString>\n<altitudeMode>absolute</altitudeMode>\n<coordinates>\n";
+         "<Placemark>\n<name>track</name>\n<styleUrl>#track</styleUrl>\n<LineString>\n<altitudeMode>absolute</"
+         "altitudeMode>\n<coordinates>\n";
   for (const PlacedImage& image : reconstruction.images) out << kml_coordinates(place_of(reconstruction, image)) << '\n';
   out << "</coordinates>\n</LineString>\n</Placemark>\n";
   for (const PlacedLoop& loop : placed_loops(reconstruction, loops)) {

@@ -10,11 +10,12 @@
 
 namespace fabloop {
 
-/// Writes OpenDroneMap's `geo.txt`: `EPSG:4326`, then `image longitude latitude altitude`. The reconstruction must have an origin.
+/// Writes OpenDroneMap's `geo.txt`: `EPSG:4326`, then `image longitude latitude altitude`. The reconstruction must have an
+/// origin.
 void write_geo_txt(const std::filesystem::path& path, const Reconstruction& reconstruction);
 
-/// Writes the cameras' track as a line and the loops as lines between the frames they join, for Google Earth and GIS. Loops of frames without a
-/// place are left out. The reconstruction must have an origin.
+/// Writes the cameras' track as a line and the loops as lines between the frames they join, for Google Earth and GIS. Loops of
+/// frames without a place are left out. The reconstruction must have an origin.
 void write_track_kml(const std::filesystem::path& path, const Reconstruction& reconstruction, const std::vector<LoopLink>& loops,
                      const std::string& name);
 

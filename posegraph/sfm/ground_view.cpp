@@ -23,7 +23,8 @@ Eigen::Vector3d plane_normal(std::vector<Eigen::Vector3d> points) {
     for (const Eigen::Vector3d& x : kept) scatter += (x - mean) * (x - mean).transpose();
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);
     if (!(solver.eigenvalues()(1) > 1e-9 * solver.eigenvalues()(2))) {
-      throw InputError("the reconstruction's points lie on a line or in one place, so there is no ground plane; are there enough?");
+      throw InputError(
+          "the reconstruction's points lie on a line or in one place, so there is no ground plane; are there enough?");
     }
     normal = solver.eigenvectors().col(0);
     std::vector<double> distances;

@@ -19,8 +19,9 @@ enum class UpDirection {
   MeanPlane,  ///< The normal of the plane through the points, on the cameras' side.
 };
 
-/// ground_from_world: a rotation about the world's origin after which z is up. Where the reconstruction is georeferenced it also turns
-/// x, y to the axes of the map grid (UTM). Throws InputError where the points do not determine a plane and one is asked for.
+/// ground_from_world: a rotation about the world's origin after which z is up. Where the reconstruction is georeferenced it also
+/// turns x, y to the axes of the map grid (UTM). Throws InputError where the points do not determine a plane and one is asked
+/// for.
 Pose ground_from_world(const Reconstruction& reconstruction, UpDirection up = UpDirection::Automatic);
 
 /// A placed image that looks at the ground. Queries are const and safe in parallel.
@@ -40,8 +41,8 @@ class GroundView {
   std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& x_in_ground) const;
 
   /// How well the image shows a ground point, in [0, 1]: seen from above rather than aslant, from near rather than from far,
-  /// and not at the image's border, where lenses are worst and seams end. `pixel` is its pixel, `height` the usual height of cameras
-  /// above the ground.
+  /// and not at the image's border, where lenses are worst and seams end. `pixel` is its pixel, `height` the usual height of
+  /// cameras above the ground.
   double quality(const Eigen::Vector3d& x_in_ground, const Eigen::Vector2d& pixel, double height) const;
 
  private:

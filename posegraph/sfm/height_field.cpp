@@ -88,7 +88,8 @@ bool is_visible(const HeightField& field, double highest, const Eigen::Vector3d&
   const double along = std::min(1.0, (highest - point.z()) / way.z());  // above the highest place nothing is in the way
   if (along <= 0) return true;
   const double length = along * way.head<2>().norm();
-  const int steps = static_cast<int>(std::ceil(length / field.grid.spacing));
+  constexpr double kPerCell = 2;  // an edge one cell wide must not slip through
+  const int steps = static_cast<int>(std::ceil(kPerCell * length / field.grid.spacing));
   for (int step = 1; step <= steps; ++step) {
     const Eigen::Vector3d x = point + (along * step / steps) * way;
     if (height_at(field, x.head<2>()) > x.z() + tolerance) return false;

@@ -22,9 +22,9 @@ double height_at(const HeightField& field, const Eigen::Vector2d& x_in_ground);
 /// The same heights, bilinear, on another grid; confidences too.
 HeightField resampled(const HeightField& field, const GroundGrid& grid);
 
-/// Fills cells of weight 0 smoothly from the others (the pull-push of Gortler et al. 1996, section 3.4.3): averages on coarser and
-/// coarser grids, from which what is missing is interpolated. Cells of weight 1 keep their value, those between give way in part. Weights
-/// in [0, 1]; at least one must not be 0.
+/// Fills cells of weight 0 smoothly from the others (the pull-push of Gortler et al. 1996, section 3.4.3): averages on coarser
+/// and coarser grids, from which what is missing is interpolated. Cells of weight 1 keep their value, those between give way in
+/// part. Weights in [0, 1]; at least one must not be 0.
 cv::Mat1f fill_smoothly(const cv::Mat1f& values, const cv::Mat1f& weights);
 
 /// Whether a point on the surface is seen from `centre` (ground frame): no height on the way rises above the line of sight by

@@ -69,7 +69,7 @@ Positions positions_before(const MapFigure& figure) {
 
 /// A panel of the figure: where ground positions land on it.
 struct Panel {
-  cv::Point2d corner;        ///< Of the drawn area.
+  cv::Point2d corner;  ///< Of the drawn area.
   Eigen::Vector2d north_west;
   double px_per_unit = 1;
 
@@ -108,7 +108,8 @@ void draw_loops(cv::Mat& picture, const Panel& panel, const Positions& positions
   cv::addWeighted(lines, opacity, picture, 1 - opacity, 0.0, picture);
 }
 
-void draw_track(cv::Mat& picture, const Panel& panel, const Positions& positions, const cv::Scalar& colour, const cv::Scalar& halo) {
+void draw_track(cv::Mat& picture, const Panel& panel, const Positions& positions, const cv::Scalar& colour,
+                const cv::Scalar& halo) {
   for (const bool is_halo : {true, false}) {
     const cv::Point2d* before = nullptr;
     cv::Point2d last;
@@ -119,7 +120,8 @@ void draw_track(cv::Mat& picture, const Panel& panel, const Positions& positions
       before = &last;
     }
   }
-  for (const auto& [frame, x] : positions) cv::circle(picture, subpixel(panel(x)), 4 << kSubpixelBits, colour, -1, cv::LINE_AA, kSubpixelBits);
+  for (const auto& [frame, x] : positions)
+    cv::circle(picture, subpixel(panel(x)), 4 << kSubpixelBits, colour, -1, cv::LINE_AA, kSubpixelBits);
   if (positions.empty()) return;
   const cv::Point2d start = panel(positions.begin()->second);
   cv::circle(picture, subpixel(start), 14 << kSubpixelBits, kPaper, 7, cv::LINE_AA, kSubpixelBits);

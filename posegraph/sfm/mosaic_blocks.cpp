@@ -31,7 +31,9 @@ std::vector<Seen> seen_from(const Look& look, const std::vector<std::uint32_t>& 
       seen.push_back({view, look.views[view].quality(x, *pixel, look.flying_height), *pixel});
     }
   }
-  const auto better = [](const Seen& a, const Seen& b) { return a.quality > b.quality || (a.quality == b.quality && a.view < b.view); };
+  const auto better = [](const Seen& a, const Seen& b) {
+    return a.quality > b.quality || (a.quality == b.quality && a.view < b.view);
+  };
   std::sort(seen.begin(), seen.end(), better);
   constexpr std::size_t kLookedAt = 2 * MosaicBlocks::kMaxViews;
   if (seen.size() > kLookedAt) seen.resize(kLookedAt);

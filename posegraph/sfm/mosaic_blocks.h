@@ -27,9 +27,9 @@ struct MosaicBlocks {
   static constexpr int kMaxViews = 6;  ///< Kept a block.
 
   GroundGrid grid;
-  std::vector<BlockView> entries;        ///< kMaxViews a block, row by row.
-  std::vector<std::uint8_t> num_views;   ///< Used entries of each block.
-  std::vector<std::uint16_t> num_seeing; ///< Views that show it, kept or not.
+  std::vector<BlockView> entries;         ///< kMaxViews a block, row by row.
+  std::vector<std::uint8_t> num_views;    ///< Used entries of each block.
+  std::vector<std::uint16_t> num_seeing;  ///< Views that show it, kept or not.
 
   std::span<const BlockView> at(std::size_t block) const { return {&entries[block * kMaxViews], num_views[block]}; }
   std::size_t size() const { return num_views.size(); }

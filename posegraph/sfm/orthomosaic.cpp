@@ -143,8 +143,10 @@ Orthomosaic make_orthomosaic(const GroundGrid& grid, const HeightField& surface,
   const Seams seams = find_seams(blocks, exposure, camera_of, options.seams);
   const cv::Mat1b shown = shown_blocks(blocks, options.min_views);
   const Making making{grid, surface, views, camera_of, images, blocks, exposure, seams, shown, options.num_bands};
-  Orthomosaic mosaic{grid, cv::Mat3b(grid.rows, grid.columns, cv::Vec3b(0, 0, 0)),
-                     cv::Mat1b(grid.rows, grid.columns, static_cast<unsigned char>(0)), {}};
+  Orthomosaic mosaic{grid,
+                     cv::Mat3b(grid.rows, grid.columns, cv::Vec3b(0, 0, 0)),
+                     cv::Mat1b(grid.rows, grid.columns, static_cast<unsigned char>(0)),
+                     {}};
   std::vector<cv::Rect> tiles;
   for (int row = 0; row < grid.rows; row += kTile) {
     for (int column = 0; column < grid.columns; column += kTile) {

@@ -119,7 +119,8 @@ cv::Mat1f correlation(const Patch& a, const Patch& b, int window) {
         continue;
       }
       const float covariance = result(row, column) - a.mean(row, column) * b.mean(row, column);
-      const float variances = (std::max(0.0F, a.variance(row, column)) + kNoise) * (std::max(0.0F, b.variance(row, column)) + kNoise);
+      const float variances =
+          (std::max(0.0F, a.variance(row, column)) + kNoise) * (std::max(0.0F, b.variance(row, column)) + kNoise);
       result(row, column) = covariance / std::sqrt(variances);
     }
   }
@@ -151,20 +152,35 @@ cv::Mat1f agreement(const std::vector<Patch>& patches, const cv::Size& size, int
   return result;
 }
 
+/// What a height costs for being away from the base.
+float base_cost(const Sweep& sweep, int choice) {
+  return sweep.options.base_trust * static_cast<float>(std::abs(choice - sweep.num_steps)) / static_cast<float>(sweep.num_steps);
+}
+
+/// How many views show each cell at the base's height.
+cv::Mat1b count_views(const std::vector<Patch>& patches, const cv::Size& size) {
+  cv::Mat1b count(size, static_cast<unsigned char>(0));
+  for (const Patch& patch : patches) count += patch.valid / 255;
+  return count;
+}
+
 /// Offsets from the base in steps, and how sure they are.
-void take_heights(const Sweep& sweep, const CostVolume& costs, const CostVolume& smooth, const cv::Rect& tile,
-                  const cv::Rect& kept, HeightField& result) {
+void take_heights(const Sweep& sweep, const CostVolume& costs, const CostVolume& smooth, const cv::Mat1b& num_views,
+                  const cv::Rect& tile, const cv::Rect& kept, HeightField& result) {
   for (int row = kept.y; row < kept.y + kept.height; ++row) {
     for (int column = kept.x; column < kept.x + kept.width; ++column) {
       const int r = row - tile.y;
       const int c = column - tile.x;
       const int best = cheapest(smooth, r, c);
-      const float ncc = 1 - costs.at(r, c)[best];
+      const float ncc = 1 - costs.at(r, c)[best] + base_cost(sweep, best);
       const double offset = (best + refinement(smooth, r, c, best) - sweep.num_steps) * sweep.step;
       const bool at_the_end = best == 0 || best == 2 * sweep.num_steps;
       const float confidence = std::clamp((ncc - 0.3F) / 0.4F, 0.0F, 1.0F);
+      constexpr float kFewViews = 0.3F;  // what two views agree on may be chance
+      constexpr float kAtTheEnd = 0.2F;  // the true height may lie beyond the range
+      const float trust = (at_the_end ? kAtTheEnd : 1.0F) * (num_views(r, c) < 3 ? kFewViews : 1.0F);
       result.heights(row, column) = sweep.base.heights(row, column) + static_cast<float>(offset);
-      result.confidence(row, column) = at_the_end ? 0.2F * confidence : confidence;
+      result.confidence(row, column) = trust * confidence;
     }
   }
 }
@@ -180,18 +196,22 @@ void sweep_tile(const Sweep& sweep, const cv::Rect& kept, HeightField& result) {
   for (const std::size_t view : chosen) pyramids.push_back(sweep.images.get(sweep.views[view].image()));
   const int num_heights = 2 * sweep.num_steps + 1;
   CostVolume costs(tile.height, tile.width, num_heights);
+  cv::Mat1b num_views;
   for (int d = 0; d < num_heights; ++d) {
     std::vector<Patch> patches;
     for (std::size_t k = 0; k < chosen.size(); ++k) {
       patches.push_back(lay_onto_surface(sweep, sweep.views[chosen[k]], *pyramids[k], tile, (d - sweep.num_steps) * sweep.step));
     }
+    if (d == sweep.num_steps) num_views = count_views(patches, tile.size());
     const cv::Mat1f ncc = agreement(patches, tile.size(), sweep.options.window);
     for (int row = 0; row < tile.height; ++row) {
-      for (int column = 0; column < tile.width; ++column) costs.at(row, column)[d] = 1 - std::max(0.0F, ncc(row, column));
+      for (int column = 0; column < tile.width; ++column) {
+        costs.at(row, column)[d] = 1 - std::max(0.0F, ncc(row, column)) + base_cost(sweep, d);
+      }
     }
   }
   const CostVolume smooth = semi_global_sums(costs, sweep.options.small_step_cost, sweep.options.large_step_cost);
-  take_heights(sweep, costs, smooth, tile, kept, result);
+  take_heights(sweep, costs, smooth, num_views, tile, kept, result);
 }
 
 /// Tiles no wider than half of what an image shows, so that the same views are good for all of one.
@@ -212,8 +232,8 @@ std::vector<cv::Rect> tiles_of(const Sweep& sweep) {
 
 HeightField plane_sweep(const HeightField& base, const std::vector<GroundView>& views, ImageCache& images, double range,
                         double step, int level, double flying_height, const PlaneSweepOptions& options) {
-  const Sweep sweep{base,  views, images, std::max(1, static_cast<int>(std::lround(range / step))), step, level, flying_height,
-                    options};
+  const Sweep sweep{base, views, images,        std::max(1, static_cast<int>(std::lround(range / step))),
+                    step, level, flying_height, options};
   HeightField result{base.grid, base.heights.clone(), cv::Mat1f(base.heights.size(), 0.0F)};
   const std::vector<cv::Rect> tiles = tiles_of(sweep);
   std::mutex mutex;

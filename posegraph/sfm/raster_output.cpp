@@ -118,7 +118,8 @@ bool write_tiles(TIFF* tiff, const cv::Mat& raster, const cv::Mat1b& shown) {
   for (int row = 0; row < raster.rows; row += kTiffTile) {
     for (int column = 0; column < raster.cols; column += kTiffTile) {
       std::vector<unsigned char> bytes = tile_bytes(raster, shown, row, column);
-      if (TIFFWriteTile(tiff, bytes.data(), static_cast<std::uint32_t>(column), static_cast<std::uint32_t>(row), 0, 0) < 0) return false;
+      if (TIFFWriteTile(tiff, bytes.data(), static_cast<std::uint32_t>(column), static_cast<std::uint32_t>(row), 0, 0) < 0)
+        return false;
     }
   }
   return true;

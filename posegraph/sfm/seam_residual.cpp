@@ -22,7 +22,8 @@ struct Place {
 
 bool shows(const MosaicBlocks& blocks, std::size_t block, std::int64_t view) {
   const auto seen = blocks.at(block);
-  return std::any_of(seen.begin(), seen.end(), [&](const BlockView& s) { return s.view == view && s.quality > 0.1F * seen[0].quality; });
+  return std::any_of(seen.begin(), seen.end(),
+                     [&](const BlockView& s) { return s.view == view && s.quality > 0.1F * seen[0].quality; });
 }
 
 std::vector<Place> seam_places(const SeamScene& scene) {

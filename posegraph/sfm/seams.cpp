@@ -97,9 +97,7 @@ class SeamProblem {
 
   std::uint32_t current_view(std::size_t block) const { return blocks_.at(block)[seams_.choice[block]].view; }
 
-  double own_cost(std::size_t block, std::uint8_t entry) const {
-    return own_cost_[block * MosaicBlocks::kMaxViews + entry];
-  }
+  double own_cost(std::size_t block, std::uint8_t entry) const { return own_cost_[block * MosaicBlocks::kMaxViews + entry]; }
 
   /// Lets every block that `view` shows change to it, where that makes the whole cheaper.
   void expand(std::uint32_t view) {

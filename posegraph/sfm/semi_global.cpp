@@ -44,8 +44,7 @@ void add_paths(const CostVolume& costs, Direction from, float small_step, float 
 }  // namespace
 
 CostVolume semi_global_sums(const CostVolume& costs, float small_step, float large_step) {
-  constexpr std::array<Direction, 8> kDirections{
-      {{0, -1}, {0, 1}, {-1, 0}, {1, 0}, {-1, -1}, {1, 1}, {-1, 1}, {1, -1}}};
+  constexpr std::array<Direction, 8> kDirections{{{0, -1}, {0, 1}, {-1, 0}, {1, 0}, {-1, -1}, {1, 1}, {-1, 1}, {1, -1}}};
   CostVolume sums(costs.rows(), costs.columns(), costs.choices());
   CostVolume paths(costs.rows(), costs.columns(), costs.choices());
   for (const Direction& from : kDirections) add_paths(costs, from, small_step, large_step, paths, sums);

@@ -19,9 +19,7 @@ class CostVolume {
   const float* at(int row, int column) const { return &costs_[offset(row, column)]; }
 
  private:
-  std::size_t offset(int row, int column) const {
-    return (static_cast<std::size_t>(row) * columns_ + column) * choices_;
-  }
+  std::size_t offset(int row, int column) const { return (static_cast<std::size_t>(row) * columns_ + column) * choices_; }
 
   int rows_, columns_, choices_;
   std::vector<float> costs_;

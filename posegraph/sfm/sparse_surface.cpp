@@ -28,8 +28,8 @@ struct Box {
   }
 };
 
-/// What the views see of the plane at `height`. Rays that run aslant by more than 60 degrees end there: towards the horizon a picture shows
-/// much land and little of it.
+/// What the views see of the plane at `height`. Rays that run aslant by more than 60 degrees end there: towards the horizon a
+/// picture shows much land and little of it.
 Box seen_area(const std::vector<GroundView>& views, double height) {
   const double max_slope = std::tan(rad_from_deg(60));
   Box box;
@@ -55,7 +55,7 @@ Box seen_area(const std::vector<GroundView>& views, double height) {
   return box;
 }
 
-/// The points of each cell, and of its eight neighbours.
+/// The points of each cell, and of those around it.
 class Bins {
  public:
   Bins(const GroundGrid& grid, const std::vector<Eigen::Vector3d>& points)
@@ -72,11 +72,17 @@ class Bins {
     return bins_[static_cast<std::size_t>(row) * grid_.columns + column];
   }
 
+  /// Of the neighbouring cells; of more of them where these hold too few points to tell a wild one.
   std::vector<double> heights_around(int row, int column) const {
+    constexpr std::size_t kEnough = 12;
+    constexpr int kFarthest = 4;
     std::vector<double> heights;
-    for (int r = std::max(0, row - 1); r <= std::min(grid_.rows - 1, row + 1); ++r) {
-      for (int c = std::max(0, column - 1); c <= std::min(grid_.columns - 1, column + 1); ++c) {
-        for (const std::size_t i : at(r, c)) heights.push_back(points_[i].z());
+    for (int reach = 1; reach <= kFarthest && heights.size() < kEnough; ++reach) {
+      heights.clear();
+      for (int r = std::max(0, row - reach); r <= std::min(grid_.rows - 1, row + reach); ++r) {
+        for (int c = std::max(0, column - reach); c <= std::min(grid_.columns - 1, column + reach); ++c) {
+          for (const std::size_t i : at(r, c)) heights.push_back(points_[i].z());
+        }
       }
     }
     return heights;
@@ -149,8 +155,8 @@ SparseSurface sparse_surface(const std::vector<Eigen::Vector3d>& points, const s
   result.ground_sampling = quantile(samplings, 0.5);
   // About eight points a cell, but nothing finer than the points' own pixels or so coarse that hills vanish.
   const double area = (box.high - box.low).prod();
-  const double spacing = std::clamp(std::sqrt(8 * area / static_cast<double>(points.size())), 8 * result.ground_sampling,
-                                    result.flying_height / 4);
+  const double spacing =
+      std::clamp(std::sqrt(8 * area / static_cast<double>(points.size())), 8 * result.ground_sampling, result.flying_height / 4);
   result.field = field_through(grid_over(box.low, box.high, spacing), points, result.flying_height, result.num_outliers);
   std::vector<double> residuals;
   for (const Eigen::Vector3d& x : points) residuals.push_back(std::abs(x.z() - height_at(result.field, x.head<2>())));

@@ -23,7 +23,7 @@ struct ColouredPoint {
 /// Triangles over coloured vertices; where they lie on a picture, in [0, 1] with v upwards.
 struct SurfaceMesh {
   std::vector<ColouredPoint> vertices;
-  std::vector<Eigen::Vector2d> texture_at;  ///< One a vertex.
+  std::vector<Eigen::Vector2d> texture_at;              ///< One a vertex.
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< Counter-clockwise seen from above.
 };
 

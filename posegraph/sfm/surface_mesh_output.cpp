@@ -31,7 +31,8 @@ std::string vertex_bytes(const std::vector<ColouredPoint>& points) {
 
 std::string vertex_head(std::size_t count, const std::string& comment) {
   return "ply\nformat binary_little_endian 1.0\ncomment " + comment + "\nelement vertex " + std::to_string(count) +
-         "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n";
+         "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\nproperty uchar "
+         "blue\n";
 }
 
 void write_parts(const std::filesystem::path& path, std::initializer_list<const std::string*> parts) {
@@ -70,14 +71,16 @@ void write_obj(const std::filesystem::path& path, const SurfaceMesh& mesh, const
   material_file.commit();
   OutputFile file(path);
   std::ostream& out = file.stream();
-  out << "# " << comment << "\nmtllib " << material.filename().string() << "\nusemtl ground\n" << std::fixed << std::setprecision(4);
+  out << "# " << comment << "\nmtllib " << material.filename().string() << "\nusemtl ground\n"
+      << std::fixed << std::setprecision(4);
   for (const ColouredPoint& vertex : mesh.vertices) {
     out << "v " << vertex.x_in_world.x() << ' ' << vertex.x_in_world.y() << ' ' << vertex.x_in_world.z() << '\n';
   }
   out << std::setprecision(6);
   for (const Eigen::Vector2d& at : mesh.texture_at) out << "vt " << at.x() << ' ' << at.y() << '\n';
   for (const auto& t : mesh.triangles) {
-    out << "f " << t[0] + 1 << '/' << t[0] + 1 << ' ' << t[1] + 1 << '/' << t[1] + 1 << ' ' << t[2] + 1 << '/' << t[2] + 1 << '\n';
+    out << "f " << t[0] + 1 << '/' << t[0] + 1 << ' ' << t[1] + 1 << '/' << t[1] + 1 << ' ' << t[2] + 1 << '/' << t[2] + 1
+        << '\n';
   }
   file.commit();
 }

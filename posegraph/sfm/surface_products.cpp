@@ -33,7 +33,8 @@ void require_usable(const Reconstruction& reconstruction) {
 }
 
 /// The rectangle of ground that enough views show.
-std::pair<Eigen::Vector2d, Eigen::Vector2d> covered_area(const HeightField& field, const std::vector<GroundView>& views, int min_views) {
+std::pair<Eigen::Vector2d, Eigen::Vector2d> covered_area(const HeightField& field, const std::vector<GroundView>& views,
+                                                         int min_views) {
   Eigen::Vector2d low = Eigen::Vector2d::Constant(1e300);
   Eigen::Vector2d high = -low;
   const auto count = [&](const Eigen::Vector2d& x) {
@@ -143,7 +144,8 @@ SurfaceReport report_of(const SparseSurface& sparse, const HeightField& surface,
   return report;
 }
 
-void write_report(const fs::path& path, const SurfaceReport& report, const Reconstruction& reconstruction, const Pose& ground_from_world) {
+void write_report(const fs::path& path, const SurfaceReport& report, const Reconstruction& reconstruction,
+                  const Pose& ground_from_world) {
   nlohmann::ordered_json json;
   json["unit"] = reconstruction.unit == LengthUnit::Metres ? "metre" : "arbitrary";
   json["num_images"] = reconstruction.images.size();
@@ -205,9 +207,12 @@ SurfaceReport write_surface_products(const Reconstruction& reconstruction, const
   const std::optional<MapGrid> map = reconstruction.origin ? std::optional(map_grid_at(*reconstruction.origin)) : std::nullopt;
   const cv::Mat1b cells = shown_cells(surface, mosaic);
   write_rasters(part, surface, mosaic, cells, map);
-  const std::string comment = options.name + (reconstruction.unit == LengthUnit::Metres ? ", metres" : ", arbitrary unit of length");
+  const std::string comment =
+      options.name + (reconstruction.unit == LengthUnit::Metres ? ", metres" : ", arbitrary unit of length");
   write_meshes(part, surface, mosaic, to_ground.inverse(), comment, options);
-  write_map_figure(part / "map_figure.png", {reconstruction, to_ground, {mosaic.grid, mosaic.colour, mosaic.shown}, options.odometry, options.loops, options.name});
+  write_map_figure(
+      part / "map_figure.png",
+      {reconstruction, to_ground, {mosaic.grid, mosaic.colour, mosaic.shown}, options.odometry, options.loops, options.name});
   write_colmap_model(part / "colmap", reconstruction);
   if (reconstruction.origin) {
     write_geo_txt(part / "geo.txt", reconstruction);

@@ -35,10 +35,10 @@ struct SurfaceProductsOptions {
   std::size_t max_dense_points = 2'000'000;
   DenseSurfaceOptions surface;
   OrthomosaicOptions mosaic;
-  Trajectory odometry{};           ///< What was believed before loops were closed: for the figure. May be empty.
-  std::vector<LoopLink> loops{};   ///< Accepted loops: for the figure and the track's files.
-  std::string name = "map";        ///< A title for the figure and the files.
-  int num_threads = 0;             ///< 0: all. What is written does not depend on it.
+  Trajectory odometry{};          ///< What was believed before loops were closed: for the figure. May be empty.
+  std::vector<LoopLink> loops{};  ///< Accepted loops: for the figure and the track's files.
+  std::string name = "map";       ///< A title for the figure and the files.
+  int num_threads = 0;            ///< 0: all. What is written does not depend on it.
   OutputFolder::IfExists if_exists = OutputFolder::IfExists::Refuse;
   Progress progress;
   Warn warn;

@@ -20,7 +20,8 @@ cv::Mat1f heights_of(const HeightField& surface, const GroundGrid& grid, const c
 cv::Mat3b lay_view(const GroundGrid& grid, const cv::Rect& part, const cv::Mat1f& heights, const GroundView& view,
                    const ImagePyramid& pyramid, const Exposure& exposure, std::size_t index, std::size_t camera) {
   const Eigen::Vector2d middle = grid.ground_at(part.x + 0.5 * part.width, part.y + 0.5 * part.height);
-  const double distance = (view.centre() - Eigen::Vector3d(middle.x(), middle.y(), heights(part.height / 2, part.width / 2))).norm();
+  const double distance =
+      (view.centre() - Eigen::Vector3d(middle.x(), middle.y(), heights(part.height / 2, part.width / 2))).norm();
   const int level = pyramid_level(grid.spacing, distance / view.camera().focal_px());
   cv::Mat1f map_x(part.size()), map_y(part.size()), radius(part.size(), 0.0F);
   for (int row = 0; row < part.height; ++row) {
