@@ -98,12 +98,13 @@ int text_width(const std::string& text, double scale = 1.0) {
 
 void draw_loops(cv::Mat& picture, const Panel& panel, const Positions& positions, const std::vector<LoopLink>& loops,
                 double opacity) {
+  constexpr std::size_t kManyLoops = 300;
   cv::Mat lines = picture.clone();
   for (const LoopLink& loop : loops) {
     const auto query = positions.find(loop.query);
     const auto match = positions.find(loop.match);
     if (query == positions.end() || match == positions.end()) continue;
-    draw_line(lines, panel(query->second), panel(match->second), kLoop, 2);
+    draw_line(lines, panel(query->second), panel(match->second), kLoop, loops.size() > kManyLoops ? 1 : 2);
   }
   cv::addWeighted(lines, opacity, picture, 1 - opacity, 0.0, picture);
 }
@@ -231,14 +232,14 @@ cv::Mat3b draw_map_figure(const MapFigure& figure) {
   const Panel& map = panels.back();
   const std::string what = figure.loops.empty() ? "" : " and the " + std::to_string(figure.loops.size()) + " loops found";
   if (panels.size() > 1) {
-    constexpr double kManyLoops = 0.7;
-    draw_loops(picture, panels.front(), before, figure.loops, kManyLoops);
+    constexpr double kOverPaper = 0.7;
+    draw_loops(picture, panels.front(), before, figure.loops, kOverPaper);
     draw_track(picture, panels.front(), before, kOdometry, kPaper);
     write_text(picture, "before: odometry" + what, {kMargin, kHead - 25}, 1.1);
   }
   draw_texture(picture, map, figure.picture);
   constexpr double kOverTexture = 0.35;
-  draw_loops(picture, map, after, figure.loops, kOverTexture);
+  if (panels.size() == 1) draw_loops(picture, map, after, figure.loops, kOverTexture);
   draw_track(picture, map, after, kTrack, kInk);
   write_text(picture, (panels.size() > 1 ? "after: " : "") + std::string("textured map of ") + figure.title,
              {static_cast<int>(map.corner.x), kHead - 25}, 1.1);

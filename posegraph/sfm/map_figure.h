@@ -24,8 +24,8 @@ struct MapFigure {
 };
 
 /// Figure 4 of Glover et al. (ICRA 2012) for any map: on the left the odometry with the loops found (before), on the right the
-/// textured map with the trajectory and the same loops (after), at one scale, with scale bar and legend; for print at full page
-/// width (BGR, 8 bit).
+/// textured map with the trajectory (after; with the loops where there is no odometry), at one scale, with scale bar and legend;
+/// for print at full page width (BGR, 8 bit).
 cv::Mat3b draw_map_figure(const MapFigure& figure);
 
 /// Writes draw_map_figure() as PNG. Throws InputError when it cannot be written.

@@ -82,6 +82,12 @@ cv::Mat1f window_mean(const cv::Mat1f& values, int window) {
   return mean;
 }
 
+cv::Mat1f product(const cv::Mat1f& a, const cv::Mat1f& b) {
+  cv::Mat1f result;
+  cv::multiply(a, b, result);
+  return result;
+}
+
 Patch lay_onto_surface(const Sweep& sweep, const GroundView& view, const ImagePyramid& pyramid, const cv::Rect& tile,
                        double offset) {
   Patch patch;
@@ -103,7 +109,7 @@ Patch lay_onto_surface(const Sweep& sweep, const GroundView& view, const ImagePy
   grey.convertTo(patch.grey, CV_32F, 1.0, -128.0);
   const int window = sweep.options.window;
   patch.mean = window_mean(patch.grey, window);
-  patch.variance = window_mean(patch.grey.mul(patch.grey), window) - patch.mean.mul(patch.mean);
+  cv::subtract(window_mean(product(patch.grey, patch.grey), window), product(patch.mean, patch.mean), patch.variance);
   cv::erode(inside, patch.valid, cv::Mat1b::ones(window, window), {-1, -1}, 1, cv::BORDER_REPLICATE);
   return patch;
 }
@@ -111,7 +117,7 @@ Patch lay_onto_surface(const Sweep& sweep, const GroundView& view, const ImagePy
 /// NCC of a pair over the window; -2 where either view does not show it.
 cv::Mat1f correlation(const Patch& a, const Patch& b, int window) {
   constexpr float kNoise = 3;  // grey values squared: what is no more than noise must not correlate
-  cv::Mat1f result = window_mean(a.grey.mul(b.grey), window);
+  cv::Mat1f result = window_mean(product(a.grey, b.grey), window);
   for (int row = 0; row < result.rows; ++row) {
     for (int column = 0; column < result.cols; ++column) {
       if (!a.valid(row, column) || !b.valid(row, column)) {

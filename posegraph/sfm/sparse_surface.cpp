@@ -75,7 +75,7 @@ class Bins {
   /// Of the neighbouring cells; of more of them where these hold too few points to tell a wild one.
   std::vector<double> heights_around(int row, int column) const {
     constexpr std::size_t kEnough = 12;
-    constexpr int kFarthest = 4;
+    constexpr int kFarthest = 8;
     std::vector<double> heights;
     for (int reach = 1; reach <= kFarthest && heights.size() < kEnough; ++reach) {
       heights.clear();
@@ -100,12 +100,13 @@ std::vector<double> heights_without_outliers(const Bins& bins, const std::vector
                                              double flying_height) {
   constexpr double kSigmas = 4;
   constexpr double kAlwaysPlausible = 0.02;
+  constexpr double kNeverPlausible = 0.2;  // also where half of the neighbours are wild, as at the flight's border
   const std::vector<double> around = bins.heights_around(row, column);
   const double middle = quantile(around, 0.5);
   std::vector<double> deviations;
   for (const double height : around) deviations.push_back(std::abs(height - middle));
   const double spread = kSigmas * kRobustSigma * quantile(deviations, 0.5);
-  const double band = std::max(spread, kAlwaysPlausible * flying_height);
+  const double band = std::clamp(spread, kAlwaysPlausible * flying_height, kNeverPlausible * flying_height);
   std::vector<double> kept;
   for (const std::size_t i : bins.at(row, column)) {
     if (std::abs(points[i].z() - middle) <= band) kept.push_back(points[i].z());
@@ -123,7 +124,8 @@ HeightField field_through(const GroundGrid& grid, const std::vector<Eigen::Vecto
       if (bins.at(row, column).empty()) continue;
       const std::vector<double> heights = heights_without_outliers(bins, points, row, column, flying_height);
       num_outliers += bins.at(row, column).size() - heights.size();
-      if (heights.empty()) continue;
+      constexpr std::size_t kFewest = 2;  // a lone point has no witness
+      if (heights.size() < kFewest) continue;
       constexpr float kEnough = 4;
       medians(row, column) = static_cast<float>(quantile(heights, 0.5));
       weights(row, column) = std::min(1.0F, static_cast<float>(heights.size()) / kEnough);

@@ -20,8 +20,8 @@ struct SparseSurface {
 };
 
 /// A height field through points (ground frame) over what the views see of the ground. A point is left out where its height
-/// differs from the median of its neighbours by more than 4 of their robust standard deviations (and 2 % of the flying height).
-/// Throws InputError for fewer than 10 points, and where no view sees the ground.
+/// differs from the median of its neighbours by more than 4 of their robust standard deviations (at least 2 %, at most 20 % of
+/// the flying height). Throws InputError for fewer than 10 points, and where no view sees the ground.
 SparseSurface sparse_surface(const std::vector<Eigen::Vector3d>& points, const std::vector<GroundView>& views);
 
 }  // namespace fabloop

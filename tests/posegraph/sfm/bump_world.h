@@ -50,7 +50,7 @@ struct BumpWorld {
     const Eigen::Vector3d ray = world_from_camera.rotation * Eigen::Vector3d((column - c.cx) / c.fx, (row - c.cy) / c.fy, 1);
     double depth = flying_height;
     Eigen::Vector3d x;
-    constexpr int kRounds = 40;  // contracts: the hill is far less steep than the rays
+    constexpr int kRounds = 15;  // contracts: the hill is far less steep than the rays
     for (int round = 0; round < kRounds; ++round) {
       x = world_from_camera.translation + depth * ray;
       depth += (x.z() - height_at(x.x(), x.y())) / -ray.z();
