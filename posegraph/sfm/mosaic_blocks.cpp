@@ -15,6 +15,7 @@ struct Look {
   const std::vector<GroundView>& views;
   ImageCache& images;
   double flying_height;
+  double least_cosine;  ///< Of a ray's angle with the vertical, to count.
   double highest;
 };
 
@@ -93,7 +94,11 @@ void look_at_part(const Look& look, const cv::Rect& part, MosaicBlocks& blocks) 
       const std::size_t block = static_cast<std::size_t>(row) * blocks.grid.columns + column;
       const Eigen::Vector2d x = blocks.grid.ground_at(column, row);
       const Eigen::Vector3d point(x.x(), x.y(), height_at(look.surface, x));
-      for (const std::uint32_t view : candidates) blocks.num_seeing[block] += look.views[view].pixel_of(point).has_value();
+      for (const std::uint32_t view : candidates) {
+        const Eigen::Vector3d way = look.views[view].centre() - point;
+        if (way.z() < look.least_cosine * way.norm()) continue;
+        blocks.num_seeing[block] += look.views[view].pixel_of(point).has_value();
+      }
       for (const Seen& seen : seen_from(look, candidates, point)) {
         const GroundView& view = look.views[seen.view];
         const double sampling = (view.centre() - point).norm() / view.camera().focal_px();
@@ -121,7 +126,7 @@ int pyramid_level(double spacing, double ground_sampling) {
 }
 
 MosaicBlocks look_at_blocks(const GroundGrid& mosaic, const HeightField& surface, const std::vector<GroundView>& views,
-                            ImageCache& images, double flying_height, int num_threads) {
+                            ImageCache& images, double flying_height, double max_slant_deg, int num_threads) {
   MosaicBlocks blocks;
   blocks.grid = coarser(mosaic, MosaicBlocks::kSide);
   const std::size_t count = static_cast<std::size_t>(blocks.grid.rows) * blocks.grid.columns;
@@ -130,7 +135,7 @@ MosaicBlocks look_at_blocks(const GroundGrid& mosaic, const HeightField& surface
   blocks.num_seeing.resize(count);
   double highest = 0;
   cv::minMaxLoc(surface.heights, nullptr, &highest);
-  const Look look{surface, views, images, flying_height, highest};
+  const Look look{surface, views, images, flying_height, std::cos(rad_from_deg(max_slant_deg)), highest};
   constexpr int kPart = 24;
   const int parts_across = (blocks.grid.columns + kPart - 1) / kPart;
   const int parts_down = (blocks.grid.rows + kPart - 1) / kPart;

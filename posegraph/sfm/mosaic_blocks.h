@@ -29,7 +29,7 @@ struct MosaicBlocks {
   GroundGrid grid;
   std::vector<BlockView> entries;         ///< kMaxViews a block, row by row.
   std::vector<std::uint8_t> num_views;    ///< Used entries of each block.
-  std::vector<std::uint16_t> num_seeing;  ///< Views that show it, kept or not.
+  std::vector<std::uint16_t> num_seeing;  ///< Views that show it not too far aslant, kept or not.
 
   std::span<const BlockView> at(std::size_t block) const { return {&entries[block * kMaxViews], num_views[block]}; }
   std::size_t size() const { return num_views.size(); }
@@ -38,9 +38,10 @@ struct MosaicBlocks {
   static constexpr std::size_t kBytes = kMaxViews * sizeof(BlockView) + sizeof(std::uint8_t) + sizeof(std::uint16_t);
 };
 
-/// Looks at every block of a mosaic's grid through every view.
+/// Looks at every block of a mosaic's grid through every view. Rays farther than `max_slant_deg` from the vertical do not count
+/// for `num_seeing`.
 MosaicBlocks look_at_blocks(const GroundGrid& mosaic, const HeightField& surface, const std::vector<GroundView>& views,
-                            ImageCache& images, double flying_height, int num_threads);
+                            ImageCache& images, double flying_height, double max_slant_deg, int num_threads);
 
 /// Distance of a pixel from the principal point, 1 at the farthest corner of the image.
 double image_radius(const Camera& camera, const Eigen::Vector2d& pixel);

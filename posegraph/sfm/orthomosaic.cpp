@@ -138,7 +138,8 @@ void make_tile(const Making& making, const cv::Rect& kept, Orthomosaic& mosaic) 
 Orthomosaic make_orthomosaic(const GroundGrid& grid, const HeightField& surface, const std::vector<GroundView>& views,
                              const std::vector<std::size_t>& camera_of, std::size_t num_cameras, ImageCache& images,
                              double flying_height, const OrthomosaicOptions& options) {
-  const MosaicBlocks blocks = look_at_blocks(grid, surface, views, images, flying_height, options.num_threads);
+  const MosaicBlocks blocks =
+      look_at_blocks(grid, surface, views, images, flying_height, options.max_slant_deg, options.num_threads);
   const Exposure exposure = equalise_exposure(blocks, camera_of, num_cameras);
   const Seams seams = find_seams(blocks, exposure, camera_of, options.seams);
   const cv::Mat1b shown = shown_blocks(blocks, options.min_views);
