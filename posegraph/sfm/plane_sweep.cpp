@@ -158,9 +158,19 @@ cv::Mat1f agreement(const std::vector<Patch>& patches, const cv::Size& size, int
   return result;
 }
 
-/// What a height costs for being away from the base.
-float base_cost(const Sweep& sweep, int choice) {
-  return sweep.options.base_trust * static_cast<float>(std::abs(choice - sweep.num_steps)) / static_cast<float>(sweep.num_steps);
+/// The costs with what a height costs for being away from the base: all of it where only two views compare, and a tenth
+/// elsewhere, as it would draw hills down where views lie near each other.
+CostVolume with_base_trust(const Sweep& sweep, CostVolume costs, const cv::Mat1b& num_views) {
+  for (int row = 0; row < costs.rows(); ++row) {
+    for (int column = 0; column < costs.columns(); ++column) {
+      const float trust = sweep.options.base_trust * (num_views(row, column) < 3 ? 1.0F : 0.1F);
+      for (int d = 0; d < costs.choices(); ++d) {
+        const auto steps = static_cast<float>(std::abs(d - sweep.num_steps));
+        costs.at(row, column)[d] += trust * steps / static_cast<float>(sweep.num_steps);
+      }
+    }
+  }
+  return costs;
 }
 
 /// How many views show each cell at the base's height.
@@ -178,7 +188,7 @@ void take_heights(const Sweep& sweep, const CostVolume& costs, const CostVolume&
       const int r = row - tile.y;
       const int c = column - tile.x;
       const int best = cheapest(smooth, r, c);
-      const float ncc = 1 - costs.at(r, c)[best] + base_cost(sweep, best);
+      const float ncc = 1 - costs.at(r, c)[best];
       const double offset = (best + refinement(smooth, r, c, best) - sweep.num_steps) * sweep.step;
       const bool at_the_end = best == 0 || best == 2 * sweep.num_steps;
       const float confidence = std::clamp((ncc - 0.3F) / 0.4F, 0.0F, 1.0F);
@@ -212,11 +222,12 @@ void sweep_tile(const Sweep& sweep, const cv::Rect& kept, HeightField& result) {
     const cv::Mat1f ncc = agreement(patches, tile.size(), sweep.options.window);
     for (int row = 0; row < tile.height; ++row) {
       for (int column = 0; column < tile.width; ++column) {
-        costs.at(row, column)[d] = 1 - std::max(0.0F, ncc(row, column)) + base_cost(sweep, d);
+        costs.at(row, column)[d] = 1 - std::max(0.0F, ncc(row, column));
       }
     }
   }
-  const CostVolume smooth = semi_global_sums(costs, sweep.options.small_step_cost, sweep.options.large_step_cost);
+  const CostVolume smooth =
+      semi_global_sums(with_base_trust(sweep, costs, num_views), sweep.options.small_step_cost, sweep.options.large_step_cost);
   take_heights(sweep, costs, smooth, num_views, tile, kept, result);
 }
 

@@ -16,8 +16,9 @@ struct PlaneSweepOptions {
   int window = 7;                 ///< Cells across that are compared, odd. More: smoother, and less detail.
   float small_step_cost = 0.06F;  ///< For one height step between neighbours, in units of 1 - NCC. More: flatter.
   float large_step_cost = 0.35F;  ///< For a jump. More: edges of roofs are drawn out.
-  float base_trust = 0.15F;       ///< Cost at the ends of the range: where images say little, heights stay near the base.
-  int num_threads = 0;            ///< 0: all. Heights do not depend on it.
+  float base_trust =
+      0.15F;            ///< Cost at the ends of the range where two views compare (a tenth for more): heights stay near the base.
+  int num_threads = 0;  ///< 0: all. Heights do not depend on it.
   Progress progress;
 };
 

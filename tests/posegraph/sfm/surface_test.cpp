@@ -126,8 +126,8 @@ TEST(DenseSurface, FindsAHillThatThePointsDoNotShow) {
   DenseSurfaceOptions options;
   options.coarsest_level = 1;
   const HeightField dense = dense_surface(sparse, views, images, options);
-  // A tenth of a step (0.4 m) and the image noise of 8 bits; half a pixel of wrong convention would tilt or lift it by far more.
-  EXPECT_LT(rmse(dense, world), 0.12);
+  // A third of a step (0.4 m) and the image noise of 8 bits; half a pixel of wrong convention would tilt or lift it by far more.
+  EXPECT_LT(rmse(dense, world), 0.15);
   EXPECT_EQ(images.num_reads(), reconstruction.images.size());
 }
 
