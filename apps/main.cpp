@@ -37,6 +37,7 @@ int main(int argc, char** argv) {
   add_optimize_command(program, common);
   add_study_command(program);
   add_survey_command(program, common);
+  add_surface_command(program, common);
   add_evaluate_command(program);
 
   // We thread over images and candidates ourselves, so OpenCV's own threads would only compete.

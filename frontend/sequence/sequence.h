@@ -54,4 +54,7 @@ cv::Mat read_gray_image(const std::filesystem::path& image_path, const Camera& c
 /// The same for an image of any size, where no calibration is needed.
 cv::Mat read_gray_image(const std::filesystem::path& image_path);
 
+/// The image in colour (`CV_8UC3`, BGR). Throws as read_gray_image() does.
+cv::Mat read_color_image(const std::filesystem::path& image_path, const Camera& camera);
+
 }  // namespace fabloop

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "posegraph/sfm/orthomosaic.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/stitching/detail/blenders.hpp>
+
+#include "frontend/parallel.h"
+#include "posegraph/sfm/seam_residual.h"
+#include "posegraph/sfm/view_patch.h"
+
+namespace fabloop {
+namespace {
+
+constexpr int kTile = 512;
+
+/// Everything that tiles are made from.
+struct Making {
+  const GroundGrid& grid;
+  const HeightField& surface;
+  const std::vector<GroundView>& views;
+  const std::vector<std::size_t>& camera_of;
+  ImageCache& images;
+  const MosaicBlocks& blocks;
+  const Exposure& exposure;
+  const Seams& seams;
+  const cv::Mat1b& shown;  ///< One a block.
+  int num_bands;
+};
+
+/// Blocks that enough views show, and the holes among them that any view shows.
+cv::Mat1b shown_blocks(const MosaicBlocks& blocks, int min_views) {
+  // A frame of one block around, so that the outside is one region.
+  cv::Mat1b outside(blocks.grid.rows + 2, blocks.grid.columns + 2, static_cast<unsigned char>(255));
+  const auto seeing = [&](int row, int column) {
+    return blocks.num_seeing[static_cast<std::size_t>(row) * blocks.grid.columns + column];
+  };
+  for (int row = 0; row < blocks.grid.rows; ++row) {
+    for (int column = 0; column < blocks.grid.columns; ++column) {
+      if (seeing(row, column) >= min_views) outside(row + 1, column + 1) = 0;
+    }
+  }
+  cv::Mat1i regions;
+  cv::connectedComponents(outside, regions, 4, CV_32S);
+  cv::Mat1b shown(blocks.grid.rows, blocks.grid.columns, static_cast<unsigned char>(0));
+  for (int row = 0; row < shown.rows; ++row) {
+    for (int column = 0; column < shown.cols; ++column) {
+      const bool is_hole = outside(row + 1, column + 1) != 0 && regions(row + 1, column + 1) != regions(0, 0);
+      if (seeing(row, column) >= min_views || (is_hole && seeing(row, column) > 0)) shown(row, column) = 255;
+    }
+  }
+  return shown;
+}
+
+/// Values of blocks at the pixels of a part, bilinear.
+cv::Mat1f at_pixels(const cv::Mat1f& of_blocks, const cv::Rect& part) {
+  cv::Mat1f map_x(part.size()), map_y(part.size()), result;
+  for (int row = 0; row < part.height; ++row) {
+    for (int column = 0; column < part.width; ++column) {
+      map_x(row, column) = (static_cast<float>(part.x + column) + 0.5F) / MosaicBlocks::kSide - 0.5F;
+      map_y(row, column) = (static_cast<float>(part.y + row) + 0.5F) / MosaicBlocks::kSide - 0.5F;
+    }
+  }
+  cv::remap(of_blocks, result, map_x, map_y, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  return result;
+}
+
+/// The view of each pixel of a part (-1: none): blocks' choices with their stairs smoothed.
+cv::Mat1i views_of_pixels(const Making& making, const cv::Rect& part) {
+  const int side = MosaicBlocks::kSide;
+  const cv::Rect all(0, 0, making.blocks.grid.columns, making.blocks.grid.rows);
+  const cv::Rect around = cv::Rect(part.x / side - 1, part.y / side - 1, part.width / side + 3, part.height / side + 3) & all;
+  std::map<int, cv::Mat1f> share;
+  for (int row = around.y; row < around.y + around.height; ++row) {
+    for (int column = around.x; column < around.x + around.width; ++column) {
+      const auto block = static_cast<std::size_t>(row) * making.blocks.grid.columns + column;
+      const auto view = making.shown(row, column) ? static_cast<int>(making.seams.view_of(making.blocks, block)) : -1;
+      cv::Mat1f& its = share[view];
+      if (its.empty()) its = cv::Mat1f(around.size(), 0.0F);
+      its(row - around.y, column - around.x) = 1;
+    }
+  }
+  const cv::Rect shifted(part.x - around.x * side, part.y - around.y * side, part.width, part.height);
+  cv::Mat1i views(part.size(), -1);
+  cv::Mat1f largest(part.size(), 0.0F);
+  for (const auto& [view, blocks] : share) {
+    const cv::Mat1f here = at_pixels(blocks, shifted);
+    for (int row = 0; row < part.height; ++row) {
+      for (int column = 0; column < part.width; ++column) {
+        if (here(row, column) <= largest(row, column)) continue;
+        largest(row, column) = here(row, column);
+        views(row, column) = view;
+      }
+    }
+  }
+  return views;
+}
+
+void make_tile(const Making& making, const cv::Rect& kept, Orthomosaic& mosaic) {
+  const int halo = 4 << making.num_bands;  // what a seam reaches in the coarsest band
+  const cv::Rect tile = cv::Rect(kept.x - halo, kept.y - halo, kept.width + 2 * halo, kept.height + 2 * halo) &
+                        cv::Rect(0, 0, making.grid.columns, making.grid.rows);
+  const cv::Mat1i views = views_of_pixels(making, tile);
+  std::map<int, cv::Rect> boxes;
+  for (int row = 0; row < tile.height; ++row) {
+    for (int column = 0; column < tile.width; ++column) boxes[views(row, column)] |= cv::Rect(column, row, 1, 1);
+  }
+  boxes.erase(-1);
+  if (boxes.empty()) return;
+  const cv::Mat1f heights = heights_of(making.surface, making.grid, tile);
+  cv::detail::MultiBandBlender blender(0, making.num_bands, CV_32F);
+  blender.prepare(cv::Rect(0, 0, tile.width, tile.height));
+  for (const auto& [view, box] : boxes) {
+    const cv::Rect wide = cv::Rect(box.x - halo, box.y - halo, box.width + 2 * halo, box.height + 2 * halo) &
+                          cv::Rect(0, 0, tile.width, tile.height);
+    const cv::Rect part(tile.x + wide.x, tile.y + wide.y, wide.width, wide.height);
+    const auto index = static_cast<std::size_t>(view);
+    const auto pyramid = making.images.get(making.views[index].image());
+    cv::Mat3s patch;
+    lay_view(making.grid, part, heights(wide), making.views[index], *pyramid, making.exposure, index, making.camera_of[index])
+        .convertTo(patch, CV_16S);
+    blender.feed(patch, views(wide) == view, wide.tl());
+  }
+  cv::Mat blended, mask;
+  blender.blend(blended, mask);
+  blended.convertTo(blended, CV_8U);
+  const cv::Rect inner(kept.x - tile.x, kept.y - tile.y, kept.width, kept.height);
+  const cv::Mat shown = views(inner) >= 0;
+  blended(inner).copyTo(mosaic.colour(kept), shown);
+  shown.copyTo(mosaic.shown(kept));
+}
+
+}  // namespace
+
+Orthomosaic make_orthomosaic(const GroundGrid& grid, const HeightField& surface, const std::vector<GroundView>& views,
+                             const std::vector<std::size_t>& camera_of, std::size_t num_cameras, ImageCache& images,
+                             double flying_height, const OrthomosaicOptions& options) {
+  const MosaicBlocks blocks =
+      look_at_blocks(grid, surface, views, images, flying_height, options.max_slant_deg, options.num_threads);
+  const Exposure exposure = equalise_exposure(blocks, camera_of, num_cameras);
+  const Seams seams = find_seams(blocks, exposure, camera_of, options.seams);
+  const cv::Mat1b shown = shown_blocks(blocks, options.min_views);
+  const Making making{grid, surface, views, camera_of, images, blocks, exposure, seams, shown, options.num_bands};
+  Orthomosaic mosaic{grid,
+                     cv::Mat3b(grid.rows, grid.columns, cv::Vec3b(0, 0, 0)),
+                     cv::Mat1b(grid.rows, grid.columns, static_cast<unsigned char>(0)),
+                     {}};
+  std::vector<cv::Rect> tiles;
+  for (int row = 0; row < grid.rows; row += kTile) {
+    for (int column = 0; column < grid.columns; column += kTile) {
+      tiles.emplace_back(column, row, std::min(kTile, grid.columns - column), std::min(kTile, grid.rows - row));
+    }
+  }
+  std::mutex mutex;
+  std::size_t num_done = 0;
+  parallel_for(tiles.size(), options.num_threads, [&](std::size_t i) {
+    make_tile(making, tiles[i], mosaic);
+    const std::scoped_lock lock(mutex);
+    if (options.progress) options.progress("orthomosaic", ++num_done, tiles.size());
+  });
+  mosaic.residual = measure_seams({grid, surface, views, camera_of, images, blocks, exposure, seams, shown}, options.num_threads);
+  return mosaic;
+}
+
+}  // namespace fabloop

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "posegraph/sfm/run_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <string>
+
+#include "frontend/csv_lines.h"
+#include "frontend/error.h"
+#include "frontend/sequence/association.h"
+#include "frontend/sequence/sequence.h"
+
+namespace fabloop {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::size_t column_named(const CsvFields& head, const std::string& name, const CsvFail& fail) {
+  const auto found = std::find(head.begin(), head.end(), name);
+  if (found == head.end()) fail("has no column '" + name + "'; is it the loops.csv of a run?");
+  return static_cast<std::size_t>(found - head.begin());
+}
+
+std::vector<LoopLink> read_accepted_loops(const fs::path& path) {
+  std::vector<LoopLink> loops;
+  std::size_t query = 0, match = 0, verdict = 0, width = 0;
+  for_each_csv_line(path, [&](const CsvFields& fields, const CsvFail& fail) {
+    if (width == 0) {
+      query = column_named(fields, "query", fail);
+      match = column_named(fields, "match", fail);
+      verdict = column_named(fields, "verdict", fail);
+      width = fields.size();
+      return;
+    }
+    if (fields.size() <= std::max({query, match, verdict})) fail("has fewer columns than the head line");
+    if (fields[verdict] != "Accepted") return;
+    loops.push_back({parse_position(fields[query], fail), parse_position(fields[match], fail)});
+  });
+  return loops;
+}
+
+/// The number of vertices that the head announces; leaves the stream behind it.
+std::size_t read_ply_head(std::istream& in, const fs::path& path) {
+  const auto fail = [&](const std::string& what) { throw InputError(path.string() + ": " + what); };
+  std::string line, properties;
+  std::size_t count = 0;
+  bool is_binary = false, is_ended = false;
+  if (!std::getline(in, line) || line != "ply") fail("is no PLY file");
+  while (!is_ended && std::getline(in, line)) {
+    if (line == "format binary_little_endian 1.0") is_binary = true;
+    if (line.starts_with("element vertex ")) {
+      const std::string number = line.substr(15);
+      if (number.empty() || number.size() > 15 || number.find_first_not_of("0123456789") != std::string::npos) {
+        fail("announces no number of vertices");
+      }
+      count = std::stoull(number);
+    }
+    if (line.starts_with("property ")) properties += line.substr(9) + ";";
+    is_ended = line == "end_header";
+  }
+  if (!is_ended || !is_binary || !properties.starts_with("float x;float y;float z;uchar red;uchar green;uchar blue;")) {
+    fail("is not a binary PLY of float x y z and uchar red green blue; give the points.ply of a run");
+  }
+  return count;
+}
+
+}  // namespace
+
+std::vector<ScenePoint> read_points_ply(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw InputError(path.string() + ": cannot be read; a surface needs the run's points");
+  const std::size_t count = read_ply_head(in, path);
+  std::vector<ScenePoint> points;
+  std::array<char, 15> raw{};
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!in.read(raw.data(), raw.size())) throw InputError(path.string() + ": ends before its last point; copy it again");
+    std::array<float, 3> x{};
+    std::memcpy(x.data(), raw.data(), sizeof(x));
+    ScenePoint point;
+    point.x_in_world = Eigen::Vector3d(x[0], x[1], x[2]);
+    for (int k = 0; k < 3; ++k) point.red_green_blue[k] = static_cast<unsigned char>(raw[static_cast<std::size_t>(12 + k)]);
+    if (point.x_in_world.allFinite()) points.push_back(std::move(point));
+  }
+  return points;
+}
+
+MapRun read_map_run(const fs::path& run, const fs::path& sequence_folder, const RunReadOptions& options) {
+  MapRun result;
+  const Trajectory trajectory = read_tum(run / "trajectory.tum");
+  const Sequence sequence = read_sequence(sequence_folder, {.camera = options.camera, .warn = options.warn});
+  std::vector<std::int64_t> times_ns;
+  for (const Frame& frame : sequence.frames) times_ns.push_back(frame.time_ns);
+  constexpr std::int64_t kSameTimeNs = 10'000'000;
+  const auto poses = poses_at(trajectory, times_ns, kSameTimeNs);
+  Reconstruction& reconstruction = result.reconstruction;
+  reconstruction.cameras = {sequence.camera};
+  reconstruction.unit = LengthUnit::Metres;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (poses[i]) reconstruction.images.push_back({i, sequence.frames[i].image_path, times_ns[i], 0, *poses[i]});
+  }
+  if (reconstruction.images.empty()) {
+    throw InputError((run / "trajectory.tum").string() + ": has no pose at the time of an image of " + sequence_folder.string() +
+                     "; are these the run's images?");
+  }
+  reconstruction.points = read_points_ply(run / "points.ply");
+  if (fs::exists(run / "trajectory_odometry.tum")) result.odometry = read_tum(run / "trajectory_odometry.tum");
+  if (fs::exists(run / "loops.csv")) result.loops = read_accepted_loops(run / "loops.csv");
+  return result;
+}
+
+}  // namespace fabloop

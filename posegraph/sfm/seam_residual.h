@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "posegraph/sfm/orthomosaic.h"
+
+namespace fabloop {
+
+/// What a mosaic was made from.
+struct SeamScene {
+  const GroundGrid& grid;
+  const HeightField& surface;
+  const std::vector<GroundView>& views;
+  const std::vector<std::size_t>& camera_of;
+  ImageCache& images;
+  const MosaicBlocks& blocks;
+  const Exposure& exposure;
+  const Seams& seams;
+  const cv::Mat1b& shown;  ///< 255 for blocks that the mosaic shows.
+};
+
+/// Displacements of patches of the two views at places along seams, by phase correlation.
+SeamResidual measure_seams(const SeamScene& scene, int num_threads);
+
+}  // namespace fabloop
