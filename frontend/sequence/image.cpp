@@ -23,10 +23,10 @@ std::vector<std::uint8_t> read_bytes(const fs::path& path) {
   return bytes;
 }
 
-cv::Mat decode_gray(const std::vector<std::uint8_t>& bytes) {
+cv::Mat decode(const std::vector<std::uint8_t>& bytes, int colours) {
   try {
     // A calibration speaks of the sensor's pixels, so the EXIF orientation must not turn the image.
-    return cv::imdecode(bytes, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+    return cv::imdecode(bytes, colours | cv::IMREAD_IGNORE_ORIENTATION);
   } catch (const cv::Exception&) {
     return {};
   }
@@ -34,25 +34,36 @@ cv::Mat decode_gray(const std::vector<std::uint8_t>& bytes) {
 
 std::string size_text(int width, int height) { return std::to_string(width) + "x" + std::to_string(height); }
 
-}  // namespace
-
-cv::Mat read_gray_image(const fs::path& image_path) {
+cv::Mat read_image(const fs::path& image_path, int colours) {
   const std::vector<std::uint8_t> bytes = read_bytes(image_path);
   if (!is_complete_image(bytes)) throw InputError(image_path.string() + ": the image is truncated; copy it again or remove it");
-  const cv::Mat gray = decode_gray(bytes);
-  if (gray.empty())
+  const cv::Mat image = decode(bytes, colours);
+  if (image.empty())
     throw InputError(image_path.string() + ": the image is damaged or of an unknown kind; copy it again or remove it");
-  return gray;
+  return image;
 }
+
+void require_size(const fs::path& image_path, const cv::Mat& image, const Camera& camera) {
+  if (image.cols == camera.width && image.rows == camera.height) return;
+  throw InputError(image_path.string() + ": the image is " + size_text(image.cols, image.rows) +
+                   " pixels, but the calibration is for " + size_text(camera.width, camera.height) +
+                   "; calibrate at the images' size, or scale fx, fy, cx, cy with it");
+}
+
+}  // namespace
+
+cv::Mat read_gray_image(const fs::path& image_path) { return read_image(image_path, cv::IMREAD_GRAYSCALE); }
 
 cv::Mat read_gray_image(const fs::path& image_path, const Camera& camera) {
   cv::Mat gray = read_gray_image(image_path);
-  if (gray.cols != camera.width || gray.rows != camera.height) {
-    throw InputError(image_path.string() + ": the image is " + size_text(gray.cols, gray.rows) +
-                     " pixels, but the calibration is for " + size_text(camera.width, camera.height) +
-                     "; calibrate at the images' size, or scale fx, fy, cx, cy with it");
-  }
+  require_size(image_path, gray, camera);
   return gray;
+}
+
+cv::Mat read_colour_image(const fs::path& image_path, const Camera& camera) {
+  cv::Mat colour = read_image(image_path, cv::IMREAD_COLOR);
+  require_size(image_path, colour, camera);
+  return colour;
 }
 
 }  // namespace fabloop

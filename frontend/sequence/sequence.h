@@ -51,6 +51,9 @@ cv::Mat read_gray_image(const std::filesystem::path& image_path);
 /// another size than the camera's.
 cv::Mat read_gray_image(const std::filesystem::path& image_path, const Camera& camera);
 
+/// The same in colour: 8-bit blue, green, red (`CV_8UC3`); a grey file gives three equal channels.
+cv::Mat read_colour_image(const std::filesystem::path& image_path, const Camera& camera);
+
 /// The same for an image of any size, where no calibration is needed.
 cv::Mat read_gray_image(const std::filesystem::path& image_path);
 
