@@ -118,7 +118,7 @@ std::optional<SegmentPoint> triangulate_track(const Scene& scene, const Segment&
       if (!x) continue;
       auto seen_by = agreeing(scene, segment, track, placed, *x, options.max_error_px);
       if (seen_by.size() > best.seen_by.size()) best = {*x, std::move(seen_by)};
-      if (best.seen_by.size() == count) gap = 1, num_tried = kMaxPairs;
+      if (best.seen_by.size() == count) num_tried = kMaxPairs;
     }
   }
   if (best.seen_by.size() < 2) return std::nullopt;
