@@ -10,11 +10,14 @@
 #include "apps/command.h"
 #include "apps/feature_arguments.h"
 #include "apps/progress_bar.h"
+#include "apps/reconstruction_report.h"
 #include "apps/run_report.h"
 #include "frontend/error.h"
 #include "frontend/fabmap/model.h"
 #include "posegraph/map_sequence.h"
 #include "posegraph/run_folder.h"
+#include "posegraph/sfm/reconstruct.h"
+#include "posegraph/sfm/reconstruction_folder.h"
 
 namespace fabloop::apps {
 namespace {
@@ -56,12 +59,29 @@ void require_usable_maps(const MapArguments& arguments) {
   }
 }
 
+/// The map from images alone.
+void run_reconstruct(const MapArguments& arguments, const CommonOptions& common, OutputFolder::IfExists if_exists) {
+  const Sequence sequence = read_sequence(arguments.sequence, {.camera = arguments.camera,
+                                                               .reference = arguments.reference,
+                                                               .max_time_difference_s = arguments.max_time_difference_s,
+                                                               .warn = make_warn(common)});
+  std::optional<Model> model;
+  if (!arguments.model.empty()) model = read_model(arguments.model);
+  ReconstructOptions options;
+  options.if_damaged = arguments.strict ? IfDamaged::Refuse : IfDamaged::Skip;
+  options.num_threads = common.num_threads;
+  options.seed = arguments.options.seed;
+  options.warn = make_warn(common);
+  options.progress = make_progress(common);
+  const Reconstructed result = reconstruct(sequence, model, options);
+  write_reconstruction_folder(arguments.out, sequence, result, options, if_exists);
+  print_reconstruction_report(std::cout, sequence, result, arguments.out);
+}
+
 void run_map(MapArguments& arguments, const CommonOptions& common) {
   const auto if_exists = arguments.overwrite ? OutputFolder::IfExists::Replace : OutputFolder::IfExists::Refuse;
   { const OutputFolder probe(arguments.out, if_exists); }  // before the work, not after it
-  if (arguments.odometry.empty()) {
-    throw InputError(arguments.sequence + ": give the odometry of these images with --odometry FILE (TUM format)");
-  }
+  if (arguments.odometry.empty()) return run_reconstruct(arguments, common, if_exists);
   require_usable_maps(arguments);
   SequenceOptions sequence_options{.camera = arguments.camera,
                                    .odometry = arguments.odometry,

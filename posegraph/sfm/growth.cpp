@@ -19,7 +19,8 @@ std::optional<std::size_t> next_view(const Scene& scene, const Segment& segment,
   for (std::size_t view = 0; view < scene.views.size(); ++view) {
     if (may_be_placed[view] == 0 || segment.world_from_cameras[view]) continue;
     const Visibility visible = visibility(scene, segment, view);
-    if (visible.num_points < min_points || visible.num_points <= failed_with[view]) continue;
+    // A view that failed is worth another try when it sees a fifth more.
+    if (visible.num_points < min_points || 5 * visible.num_points <= 6 * failed_with[view]) continue;
     if (visible.score > best_score) best = view, best_score = visible.score;
   }
   return best;
