@@ -52,17 +52,73 @@ std::vector<Segment> place(const Scene& scene, const std::vector<ViewPair>& pair
   return segments;
 }
 
-/// All points in the adjustment, and the bound on their errors as it shall be in the result. Returns the camera.
-Camera finish(const Scene& scene, Segment& segment, const ReconstructOptions& options) {
+/// All points in the adjustment, and the bound on their errors as it shall be in the result.
+void finish(const Scene& scene, Segment& segment, const ReconstructOptions& options) {
   TrackTriangulationOptions strict = options.growth.triangulation;
-  SegmentAdjustmentOptions adjustment;
   refresh_points(scene, segment, strict);
-  adjust_segment(scene, segment, adjustment);
+  adjust_segment(scene, segment);
   strict.max_error_px = options.max_error_px;
   refresh_points(scene, segment, strict);
+  adjust_segment(scene, segment);
+}
+
+/// The camera refined where the images determine it; the views' rays follow.
+void refine_camera(std::vector<View>& views, const Scene& scene, Segment& segment, Reconstructed& result,
+                   const ReconstructOptions& options) {
+  SegmentAdjustmentOptions adjustment;
   adjustment.bundle.refine = options.refine;
-  const SegmentAdjustment last = adjust_segment(scene, segment, adjustment);
-  return last.camera;
+  const Camera camera = adjust_segment(scene, segment, adjustment).camera;
+  for (View& view : views) view = make_view(view.frame, camera, std::move(view.features));
+  result.camera_was_refined = true;
+  finish(scene, segment, options);
+}
+
+void check_and_refine_camera(std::vector<View>& views, const Scene& scene, Segment& segment, Reconstructed& result,
+                             const ReconstructOptions& options) {
+  result.camera_check = check_camera(scene, segment, options.camera_check);
+  const auto say = [&](const std::string& text) {
+    if (options.warn) options.warn(text);
+  };
+  if (options.refine == RefineCamera::Nothing) {
+    if (result.camera_check.is_contradicted) {
+      say("the images contradict the camera's focal length: they agree best with " +
+          std::to_string(result.camera_check.best_focal_factor) +
+          " of it, and the map is bent accordingly; calibrate again, or refine it with --refine focal");
+    }
+  } else if (result.camera_check.is_determined) {
+    refine_camera(views, scene, segment, result, options);
+  } else {
+    say("the camera is kept as given: these images leave its focal length open by " +
+        std::to_string(100.0 * result.camera_check.relative_sigma) + " %, and refining it would bend the ground into a dome");
+  }
+}
+
+/// Positions of the views from those of the frames.
+std::vector<std::optional<Eigen::Vector3d>> positions_of(const std::vector<View>& views, const ReconstructOptions& options) {
+  std::vector<std::optional<Eigen::Vector3d>> positions;
+  for (const View& view : views) positions.push_back(options.known_positions[view.frame]);
+  return positions;
+}
+
+/// The unit and the frame of the known positions, where they are to be used.
+LengthUnit take_positions(const Scene& scene, Segment& segment, Reconstructed& result, const ReconstructOptions& options) {
+  if (options.known_positions.empty()) {
+    result.georeference.why_not = "no positions were given";
+    return LengthUnit::Arbitrary;
+  }
+  const auto positions = positions_of(scene.views, options);
+  result.georeference = georeference(segment, positions, options.georeference);
+  const auto& found = result.georeference.found;
+  if (!found && options.warn) options.warn("the map has no unit and no place on Earth: " + result.georeference.why_not);
+  if (!found || options.position_use == PositionUse::Witness) return LengthUnit::Arbitrary;
+  move_segment(segment, found->scale, found->known_from_world);
+  if (options.position_use == PositionUse::Prior) {
+    SegmentAdjustmentOptions adjustment;
+    adjustment.known_positions = positions;
+    adjustment.position_sigma.setConstant(options.georeference.sigma_m);
+    adjust_segment(scene, segment, adjustment);
+  }
+  return LengthUnit::Metres;
 }
 
 cv::Vec3b colour_of(const ColourViews& views, const Track& track, const SegmentPoint& point) {
@@ -71,10 +127,9 @@ cv::Vec3b colour_of(const ColourViews& views, const Track& track, const SegmentP
   return cv::Vec3b(sum * (1.0 / static_cast<double>(point.seen_by.size())));
 }
 
-Reconstruction to_reconstruction(const Sequence& sequence, const ColourViews& views, const Scene& scene, const Segment& segment,
-                                 const Camera& camera) {
+Reconstruction to_reconstruction(const Sequence& sequence, const ColourViews& views, const Scene& scene, const Segment& segment) {
   Reconstruction result;
-  result.cameras = {camera};
+  result.cameras = {scene.views.front().camera};
   std::vector<std::size_t> image_of(scene.views.size(), 0);
   for (std::size_t view = 0; view < scene.views.size(); ++view) {
     if (!segment.world_from_cameras[view]) continue;
@@ -112,6 +167,26 @@ std::string why_left_out(const Scene& scene, const std::vector<ViewPair>& pairs,
   return "too few of the " + std::to_string(num_seen) + " points that it should see agree on one place";
 }
 
+/// Frames without a place, parts of their own, and the pairs.
+void tell_what_is_left(const ColourViews& views, const Scene& scene, const std::vector<ViewPair>& pairs,
+                       const std::vector<Segment>& segments, const ReconstructOptions& options, Reconstructed& result) {
+  for (const UnreadFrame& frame : views.unread) result.left_out.push_back({frame.frame, frame.why});
+  for (std::size_t view = 0; view < views.views.size(); ++view) {
+    if (segments.front().world_from_cameras[view]) continue;
+    result.left_out.push_back({views.views[view].frame, why_left_out(scene, pairs, segments, view, options.growth)});
+  }
+  std::sort(result.left_out.begin(), result.left_out.end(), [](const auto& a, const auto& b) { return a.frame < b.frame; });
+  for (std::size_t s = 1; s < segments.size(); ++s) {
+    result.other_parts.emplace_back();
+    for (std::size_t view = 0; view < views.views.size(); ++view) {
+      if (segments[s].world_from_cameras[view]) result.other_parts.back().push_back(views.views[view].frame);
+    }
+  }
+  for (const ViewPair& pair : pairs) {
+    result.pairs.push_back({views.views[pair.query].frame, views.views[pair.match].frame, pair.inliers.size(), pair.median_parallax_deg});
+  }
+}
+
 class StageClock {
  public:
   explicit StageClock(std::vector<StageTime>& times) : times_(times) {}
@@ -141,7 +216,9 @@ Reconstructed reconstruct(const Sequence& sequence, const std::optional<Model>& 
   StageClock stages(result.times);
   ColourViews views = read_views(sequence, model, options);
   stages.end("features");
-  const auto candidates = candidate_pairs(views.views, model, {}, options.candidates);
+  const auto candidates = candidate_pairs(
+      views.views, model, options.known_positions.empty() ? decltype(options.known_positions){} : positions_of(views.views, options),
+      options.candidates);
   result.num_candidate_pairs = candidates.size();
   stages.end("candidates");
   const std::vector<ViewPair> pairs = verify_pairs(views.views, candidates, options.view_graph);
@@ -156,27 +233,19 @@ Reconstructed reconstruct(const Sequence& sequence, const std::optional<Model>& 
                      " images can be placed: " + std::to_string(pairs.size()) + " of " + std::to_string(candidates.size()) +
                      " pairs provably overlap; more overlap, sharper images or the right calibration may help");
   }
-  const Camera camera = finish(scene, segments.front(), options);
+  finish(scene, segments.front(), options);
   stages.end("adjust");
+  check_and_refine_camera(views.views, scene, segments.front(), result, options);
+  stages.end("camera");
+  const LengthUnit unit = take_positions(scene, segments.front(), result, options);
+  stages.end("georeference");
   const ReprojectionStatistics statistics = reprojection_statistics(scene, segments.front());
   result.mean_error_px = statistics.mean_px;
   result.num_sightings = statistics.num_sightings;
-  result.reconstruction = to_reconstruction(sequence, views, scene, segments.front(), camera);
-  for (const UnreadFrame& frame : views.unread) result.left_out.push_back({frame.frame, frame.why});
-  for (std::size_t view = 0; view < views.views.size(); ++view) {
-    if (segments.front().world_from_cameras[view]) continue;
-    result.left_out.push_back({views.views[view].frame, why_left_out(scene, pairs, segments, view, options.growth)});
-  }
-  std::sort(result.left_out.begin(), result.left_out.end(), [](const auto& a, const auto& b) { return a.frame < b.frame; });
-  for (std::size_t s = 1; s < segments.size(); ++s) {
-    result.other_parts.emplace_back();
-    for (std::size_t view = 0; view < views.views.size(); ++view) {
-      if (segments[s].world_from_cameras[view]) result.other_parts.back().push_back(views.views[view].frame);
-    }
-  }
-  for (const ViewPair& pair : pairs) {
-    result.pairs.push_back({views.views[pair.query].frame, views.views[pair.match].frame, pair.inliers.size(), pair.median_parallax_deg});
-  }
+  result.reconstruction = to_reconstruction(sequence, views, scene, segments.front());
+  result.reconstruction.unit = unit;
+  if (unit == LengthUnit::Metres) result.reconstruction.origin = options.origin;
+  tell_what_is_left(views, scene, pairs, segments, options, result);
   return result;
 }
 

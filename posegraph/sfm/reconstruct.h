@@ -12,8 +12,11 @@
 #include "frontend/progress.h"
 #include "frontend/sequence/sequence.h"
 #include "posegraph/sfm/bundle_adjustment.h"
+#include "posegraph/sfm/camera_check.h"
 #include "posegraph/sfm/candidate_pairs.h"
 #include "posegraph/sfm/colour_views.h"
+#include "posegraph/sfm/georeference.h"
+#include "posegraph/sfm/gps.h"
 #include "posegraph/sfm/growth.h"
 #include "posegraph/sfm/reconstruction.h"
 #include "posegraph/sfm/segments.h"
@@ -31,7 +34,14 @@ struct ReconstructOptions {
   ViewGraphOptions view_graph;
   GrowthOptions growth;
   JoinOptions join;
+  /// A calibration is kept unless asked otherwise; what is asked is done only where the images determine the focal length.
   RefineCamera refine = RefineCamera::Nothing;
+  CameraCheckOptions camera_check;
+  /// Positions of the frames (one a frame, where known): GPS in an east-north-up frame, or an odometry's. Empty: none.
+  std::vector<std::optional<Eigen::Vector3d>> known_positions{};
+  std::optional<GeoOrigin> origin{};  ///< Of the positions, where they are on Earth.
+  PositionUse position_use = PositionUse::Witness;
+  GeoreferenceOptions georeference;
   double max_error_px = 3.0;  ///< Of a sighting in the result.
   std::uint64_t seed = 1;     ///< Of training, RANSAC and sampling.
   int num_threads = 0;        ///< 0: all. The result does not depend on it.
@@ -64,10 +74,13 @@ struct Reconstructed {
   std::vector<LeftOutFrame> left_out;
   /// Frames of the parts that could not be joined with the largest, each in a world of its own.
   std::vector<std::vector<std::size_t>> other_parts;
-  std::vector<FramePair> pairs;
+  std::vector<FramePair> pairs;  ///< In ascending order.
   std::size_t num_candidate_pairs = 0;
   double mean_error_px = 0;  ///< Of all sightings.
   std::size_t num_sightings = 0;
+  CameraCheck camera_check;
+  bool camera_was_refined = false;
+  GeoreferenceResult georeference;  ///< Before positions were let into the adjustment.
   std::vector<StageTime> times;
 };
 

@@ -90,6 +90,7 @@ std::vector<std::size_t> neighbours_of(const Scene& scene, const Segment& segmen
 SegmentAdjustment adjust_segment(const Scene& scene, Segment& segment, const SegmentAdjustmentOptions& options) {
   const std::vector<char> all_free(scene.views.size(), 1);
   SegmentBundle of = bundle_of(scene, segment, select_tracks(scene, segment, options.num_points_per_view), all_free);
+  if (options.camera) of.bundle.camera = *options.camera;
   if (!options.known_positions.empty()) {
     for (std::size_t i = 0; i < of.views.size(); ++i) {
       of.bundle.views[i].known_position = options.known_positions[of.views[i]];

@@ -12,7 +12,8 @@
 namespace fabloop {
 
 struct SegmentAdjustmentOptions {
-  BundleOptions bundle;
+  BundleOptions bundle{};
+  std::optional<Camera> camera{};  ///< Instead of the views' own.
   /// Points that many views see are taken until each view sees so many of those taken; the others follow the cameras. Fewer is
   /// faster and hardly worse. 0: all points.
   std::size_t num_points_per_view = 0;
