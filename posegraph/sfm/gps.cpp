@@ -94,6 +94,12 @@ std::vector<std::optional<GeoPosition>> read_gps(const std::filesystem::path& pa
   return positions;
 }
 
+std::vector<std::optional<GeoPosition>> gps_from_exif(const Sequence& sequence) {
+  std::vector<std::optional<GeoPosition>> positions;
+  for (const Frame& frame : sequence.frames) positions.push_back(position_from_exif(frame.image_path));
+  return positions;
+}
+
 LocalPositions local_positions(const std::vector<std::optional<GeoPosition>>& positions) {
   LocalPositions local;
   local.east_north_up_m.resize(positions.size());

@@ -6,17 +6,11 @@
 #include <optional>
 #include <vector>
 
+#include "frontend/sequence/exif.h"
 #include "frontend/sequence/sequence.h"
 #include "posegraph/sfm/reconstruction.h"
 
 namespace fabloop {
-
-/// A place on Earth (WGS 84).
-struct GeoPosition {
-  double latitude_deg = 0;
-  double longitude_deg = 0;
-  double altitude_m = 0;
-};
 
 /// Metres east, north and up of an origin, in the plane that touches the ellipsoid there.
 Eigen::Vector3d east_north_up(const GeoPosition& position, const GeoOrigin& origin);
@@ -24,6 +18,9 @@ Eigen::Vector3d east_north_up(const GeoPosition& position, const GeoOrigin& orig
 /// Reads lines `filename,latitude_deg,longitude_deg,altitude_m` (`#` comments): one position a frame of the sequence where the
 /// file names its image. Throws InputError naming file and line, and when the file names none of the images.
 std::vector<std::optional<GeoPosition>> read_gps(const std::filesystem::path& path, const Sequence& sequence);
+
+/// Positions that the images' EXIF tells.
+std::vector<std::optional<GeoPosition>> gps_from_exif(const Sequence& sequence);
 
 /// Positions of frames in one east-north-up frame about the first known one.
 struct LocalPositions {

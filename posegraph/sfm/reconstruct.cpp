@@ -183,7 +183,7 @@ void tell_what_is_left(const ColourViews& views, const Scene& scene, const std::
     }
   }
   for (const ViewPair& pair : pairs) {
-    result.pairs.push_back({views.views[pair.query].frame, views.views[pair.match].frame, pair.inliers.size(), pair.median_parallax_deg});
+    result.pairs.push_back({views.views[pair.query].frame, views.views[pair.match].frame, pair.num_matches, pair.inliers.size(), pair.median_parallax_deg});
   }
 }
 

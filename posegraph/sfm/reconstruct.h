@@ -64,6 +64,7 @@ struct StageTime {
 /// A pair of frames whose matches are proven.
 struct FramePair {
   std::size_t query = 0, match = 0;  ///< Positions in the sequence.
+  std::size_t num_matches = 0;
   std::size_t num_inliers = 0;
   double median_parallax_deg = 0;
 };

@@ -4,9 +4,18 @@
 #include <array>
 #include <bit>
 #include <cstring>
+#include <opencv2/imgcodecs.hpp>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "frontend/error.h"
 #include "frontend/sequence/trajectory.h"
+#include "posegraph/g2o_io.h"
+#include "posegraph/sfm/reconstruction_graph.h"
+#include "posegraph/sfm/reconstruction_picture.h"
+#include "posegraph/sfm/reconstruction_summary.h"
+#include "verification/ledger.h"
 
 namespace fabloop {
 namespace {
@@ -25,6 +34,31 @@ void write_frames_csv(const std::filesystem::path& path, const Sequence& sequenc
   for (const Frame& frame : sequence.frames) {
     file.stream() << frame.image_path.filename().string() << ',' << seconds_from_nanoseconds(frame.time_ns) << '\n';
   }
+  file.commit();
+}
+
+void write_loops_csv(const std::filesystem::path& path, const Reconstructed& result) {
+  OutputFile file(path);
+  file.stream() << ledger_csv_head() << '\n';
+  for (const LoopEvent& event : reconstruction_loops(result)) write_ledger(file.stream(), event, LedgerFormat::Csv);
+  file.commit();
+}
+
+void write_picture(const std::filesystem::path& path, const Reconstructed& result) {
+  std::vector<std::pair<std::size_t, std::size_t>> loops;
+  const ReconstructionGraphOptions options;
+  for (const SharedView& shared : shared_views(result, options)) {
+    const auto& images = result.reconstruction.images;
+    if (images[shared.query].frame - images[shared.match].frame > options.num_neighbours) {
+      loops.emplace_back(shared.query, shared.match);
+    }
+  }
+  std::vector<std::uint8_t> png;
+  if (!cv::imencode(".png", draw_reconstruction(result.reconstruction, loops), png)) {
+    throw InputError(path.string() + ": the picture cannot be encoded as PNG");
+  }
+  OutputFile file(path);
+  file.stream().write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
   file.commit();
 }
 
@@ -52,12 +86,16 @@ void write_points_ply(const std::filesystem::path& path, const Reconstruction& r
 }
 
 void write_reconstruction_folder(const std::filesystem::path& path, const Sequence& sequence, const Reconstructed& result,
-                                 const ReconstructOptions&, OutputFolder::IfExists if_exists) {
+                                 const ReconstructOptions& options, OutputFolder::IfExists if_exists) {
   OutputFolder folder(path, if_exists);
   const auto& part = folder.part_path();
   write_tum(part / "trajectory.tum", trajectory_of(result.reconstruction));
   write_frames_csv(part / "frames.csv", sequence);
   write_points_ply(part / "points.ply", result.reconstruction);
+  write_g2o(part / "graph.g2o", reconstruction_graph(result));
+  write_loops_csv(part / "loops.csv", result);
+  write_picture(part / "map.png", result);
+  write_reconstruction_summary(part / "summary.json", sequence, result, options);
   folder.commit();
 }
 

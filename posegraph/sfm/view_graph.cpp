@@ -65,7 +65,7 @@ std::optional<ViewPair> verify(const std::vector<View>& views, const CandidatePa
   pose_options.seed = pair_seed(options.seed, query.frame, match.frame);
   const auto relative = estimate_relative_pose(pairs, pose_options);
   if (!relative || relative->inliers.size() < options.min_inliers) return std::nullopt;
-  ViewPair pair{candidate.query, candidate.match, {}, relative->match_from_query};
+  ViewPair pair{candidate.query, candidate.match, matches.size(), {}, relative->match_from_query};
   for (const std::size_t i : relative->inliers) pair.inliers.push_back(matches[i]);
   if (!is_proven(query, match, matches, pair.inliers, options)) return std::nullopt;
   pair.median_parallax_deg = deg_from_rad(median_parallax(pairs, relative->inliers, relative->match_from_query));

@@ -31,6 +31,7 @@ struct ViewGraphOptions {
 struct ViewPair {
   std::size_t query = 0;
   std::size_t match = 0;
+  std::size_t num_matches = 0;
   std::vector<Match> inliers;
   Pose match_from_query;          ///< Translation of unit length.
   double median_parallax_deg = 0; ///< Between the inliers' rays, rotation undone.
