@@ -48,10 +48,10 @@ void settle(const Scene& scene, Segment& segment, const GrowthOptions& options) 
   SegmentAdjustmentOptions adjustment;
   adjustment.num_points_per_view = options.num_points_per_view;
   for (int round = 0; round < kRounds; ++round) {
-    refresh_points(scene, segment, options.triangulation);
+    refresh_all_points(scene, segment, options.triangulation);
     adjust_segment(scene, segment, adjustment);
   }
-  refresh_points(scene, segment, options.triangulation);
+  refresh_all_points(scene, segment, options.triangulation);
 }
 
 std::size_t grow(const Scene& scene, Segment& segment, const std::vector<char>& may_be_placed, std::size_t max_added,

@@ -55,10 +55,10 @@ std::vector<Segment> place(const Scene& scene, const std::vector<ViewPair>& pair
 /// All points in the adjustment, and the bound on their errors as it shall be in the result.
 void finish(const Scene& scene, Segment& segment, const ReconstructOptions& options) {
   TrackTriangulationOptions strict = options.growth.triangulation;
-  refresh_points(scene, segment, strict);
+  refresh_all_points(scene, segment, strict);
   adjust_segment(scene, segment);
   strict.max_error_px = options.max_error_px;
-  refresh_points(scene, segment, strict);
+  refresh_all_points(scene, segment, strict);
   adjust_segment(scene, segment);
 }
 

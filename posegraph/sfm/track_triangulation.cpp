@@ -144,7 +144,7 @@ void refresh_points(const Scene& scene, Segment& segment, const std::vector<std:
   });
 }
 
-void refresh_points(const Scene& scene, Segment& segment, const TrackTriangulationOptions& options) {
+void refresh_all_points(const Scene& scene, Segment& segment, const TrackTriangulationOptions& options) {
   std::vector<std::uint32_t> all(scene.tracks.tracks.size());
   std::iota(all.begin(), all.end(), 0U);
   refresh_points(scene, segment, all, options);

@@ -33,6 +33,6 @@ void refresh_points(const Scene& scene, Segment& segment, const std::vector<std:
                     const TrackTriangulationOptions& options = {});
 
 /// The same of all tracks.
-void refresh_points(const Scene& scene, Segment& segment, const TrackTriangulationOptions& options = {});
+void refresh_all_points(const Scene& scene, Segment& segment, const TrackTriangulationOptions& options = {});
 
 }  // namespace fabloop
