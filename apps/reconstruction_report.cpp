@@ -27,9 +27,9 @@ std::string frame_ranges(const std::vector<std::size_t>& frames) {
 void print_reconstruction_report(std::ostream& out, const Sequence& sequence, const Reconstructed& result,
                                  const std::string& folder) {
   const Reconstruction& map = result.reconstruction;
-  out << std::setprecision(3) << folder << ": " << map.images.size() << " of " << sequence.frames.size()
-      << " images placed, " << map.points.size() << " points, mean reprojection error " << result.mean_error_px << " px over "
-      << result.num_sightings << " sightings\n";
+  out << std::setprecision(3) << folder << ": " << map.images.size() << " of " << sequence.frames.size() << " images placed, "
+      << map.points.size() << " points, mean reprojection error " << result.mean_error_px << " px over " << result.num_sightings
+      << " sightings\n";
   out << "  " << result.pairs.size() << " of " << result.num_candidate_pairs << " candidate pairs overlap\n";
   std::map<std::string, std::vector<std::size_t>> by_reason;
   for (const LeftOutFrame& frame : result.left_out) by_reason[frame.why].push_back(frame.frame);

@@ -37,9 +37,9 @@ struct Bundle {
 
 /// Which of the camera's numbers are adjusted, too.
 enum class RefineCamera {
-  Nothing,       ///< A calibration is better than what one flight shows.
-  Focal,         ///< fx and fy by one factor.
-  FocalRadial,   ///< And k1, k2 of the Radtan model. A flight at one height over flat ground hardly shows them.
+  Nothing,      ///< A calibration is better than what one flight shows.
+  Focal,        ///< fx and fy by one factor.
+  FocalRadial,  ///< And k1, k2 of the Radtan model. A flight at one height over flat ground hardly shows them.
 };
 
 struct BundleOptions {
@@ -61,8 +61,8 @@ struct AdjustedBundle {
 };
 
 /// Moves views and points (and the camera's numbers when asked to) so that the points are seen where they were detected
-/// (Triggs et al. 2000), points eliminated first (Schur complement). One thread: sums over several would come out differently each
-/// time. Where no view is fixed the first is held, and the scale stays where it was by the solver's damping.
+/// (Triggs et al. 2000), points eliminated first (Schur complement). One thread: sums over several would come out differently
+/// each time. Where no view is fixed the first is held, and the scale stays where it was by the solver's damping.
 AdjustedBundle adjust_bundle(const Bundle& bundle, const BundleOptions& options = {});
 
 /// Distance in pixels between where a view sees a point and where it should; infinite behind the camera.

@@ -28,7 +28,7 @@ Cost least_cost(const Scene& scene, const Segment& segment, double factor, const
 }  // namespace
 
 CameraCheck check_camera(const Scene& scene, const Segment& segment, const CameraCheckOptions& options) {
-  constexpr int kRounds = 3;      // Newton steps towards a focal length that is far off
+  constexpr int kRounds = 3;  // Newton steps towards a focal length that is far off
   constexpr double kMaxStep = 0.15;
   CameraCheck check;
   for (int round = 0; round < kRounds; ++round) {

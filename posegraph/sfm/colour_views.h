@@ -30,9 +30,9 @@ struct UnreadFrame {
 
 /// N images as geometry sees them, with the colour at each feature.
 struct ColourViews {
-  std::vector<View> views;                              ///< N, in the sequence's order.
-  std::vector<std::vector<cv::Vec3b>> red_green_blue;   ///< N, one a feature.
-  std::vector<UnreadFrame> unread;                      ///< Damaged, or of another size than the camera's.
+  std::vector<View> views;                             ///< N, in the sequence's order.
+  std::vector<std::vector<cv::Vec3b>> red_green_blue;  ///< N, one a feature.
+  std::vector<UnreadFrame> unread;                     ///< Damaged, or of another size than the camera's.
 };
 
 /// Reads every image once and describes it, in parallel; no more images are in memory than there are threads. Throws InputError

@@ -10,14 +10,14 @@
 namespace fabloop {
 namespace {
 
-/// Extent across the longest axis over that along it.
-double relative_width(const std::vector<PointPair>& pairs) {
+/// Extents of the cameras' centres (roots of their second moments), ascending.
+Eigen::Vector3d extents(const std::vector<PointPair>& pairs) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const PointPair& pair : pairs) mean += pair.in_query / static_cast<double>(pairs.size());
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (const PointPair& pair : pairs) scatter += (pair.in_query - mean) * (pair.in_query - mean).transpose();
-  const Eigen::Vector3d moments = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvalues();
-  return moments(2) > 0 ? std::sqrt(std::max(0.0, moments(1)) / moments(2)) : 0.0;
+  scatter /= static_cast<double>(pairs.size());
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvalues().cwiseMax(0.0).cwiseSqrt();
 }
 
 }  // namespace
@@ -33,12 +33,14 @@ GeoreferenceResult georeference(const Segment& segment, const std::vector<std::o
   if (pairs.size() < kLeastPositions) {
     return {std::nullopt, "only " + std::to_string(pairs.size()) + " placed images have a known position"};
   }
-  if (relative_width(pairs) < options.min_width) {
+  const Eigen::Vector3d extent = extents(pairs);
+  if (!(extent(1) > options.min_width * extent(2))) {
     return {std::nullopt, "the cameras lie on one line, about which their positions leave the map free to turn"};
   }
   AlignmentOptions alignment;
   alignment.scale = AlignmentScale::Free;
-  alignment.query_noise = {0.0, 0.0, 0.0, 0.0};
+  constexpr double kMapNoise = 1e-3;  // of the map's extent: what structure from motion errs by, far below a GPS's noise
+  alignment.query_noise = {kMapNoise * extent(2), 0.0, 0.0, 0.0};
   alignment.match_noise = {options.sigma_m, 0.0, 0.0, 0.0};
   alignment.seed = options.seed;
   const auto found = align_points(pairs, alignment);

@@ -20,10 +20,10 @@ enum class PositionUse {
 };
 
 struct GeoreferenceOptions {
-  double sigma_m = 3.0;          ///< Standard deviation of the positions along each axis. Less for RTK.
-  double min_inlier_share = 0.5; ///< Of the positions, how many must agree with one similarity.
-  /// Least width of the cameras' centres across their longest axis, as a share of their extent along it: positions on a line leave
-  /// the map free to turn about it.
+  double sigma_m = 3.0;           ///< Standard deviation of the positions along each axis. Less for RTK.
+  double min_inlier_share = 0.5;  ///< Of the positions, how many must agree with one similarity.
+  /// Least width of the cameras' centres across their longest axis, as a share of their extent along it: positions on a line
+  /// leave the map free to turn about it.
   double min_width = 0.03;
   std::uint64_t seed = 1;
 };

@@ -62,8 +62,8 @@ Eigen::Vector3d east_north_up(const GeoPosition& position, const GeoOrigin& orig
   const double sin_lon = std::sin(rad_from_deg(origin.longitude_deg));
   const double cos_lon = std::cos(rad_from_deg(origin.longitude_deg));
   Eigen::Matrix3d local_from_earth;
-  local_from_earth << -sin_lon, cos_lon, 0,                     //
-      -sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat,          //
+  local_from_earth << -sin_lon, cos_lon, 0,             //
+      -sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat,  //
       cos_lat * cos_lon, cos_lat * sin_lon, sin_lat;
   return local_from_earth * offset;
 }

@@ -141,7 +141,8 @@ Reconstruction to_reconstruction(const Sequence& sequence, const ColourViews& vi
     if (!segment.points[t]) continue;
     const Track& track = scene.tracks.tracks[t];
     ScenePoint point{segment.points[t]->x_in_world, colour_of(views, track, *segment.points[t]), {}};
-    for (const std::uint32_t i : segment.points[t]->seen_by) point.track.push_back({image_of[track[i].view], pixel_of(scene, track[i])});
+    for (const std::uint32_t i : segment.points[t]->seen_by)
+      point.track.push_back({image_of[track[i].view], pixel_of(scene, track[i])});
     result.points.push_back(std::move(point));
   }
   return result;
@@ -156,8 +157,8 @@ std::string why_left_out(const Scene& scene, const std::vector<ViewPair>& pairs,
   if (num_features < 2 * options.resection.min_inliers) {
     return "shows only " + std::to_string(num_features) + " features: blurred, or of water or sky";
   }
-  const auto num_pairs = std::count_if(pairs.begin(), pairs.end(),
-                                       [&](const ViewPair& pair) { return pair.query == view || pair.match == view; });
+  const auto num_pairs =
+      std::count_if(pairs.begin(), pairs.end(), [&](const ViewPair& pair) { return pair.query == view || pair.match == view; });
   if (num_pairs == 0) return "no other image provably overlaps it";
   const std::size_t num_seen = visibility(scene, segments.front(), view).num_points;
   if (num_seen < options.resection.min_inliers) {
@@ -183,7 +184,8 @@ void tell_what_is_left(const ColourViews& views, const Scene& scene, const std::
     }
   }
   for (const ViewPair& pair : pairs) {
-    result.pairs.push_back({views.views[pair.query].frame, views.views[pair.match].frame, pair.num_matches, pair.inliers.size(), pair.median_parallax_deg});
+    result.pairs.push_back({views.views[pair.query].frame, views.views[pair.match].frame, pair.num_matches, pair.inliers.size(),
+                            pair.median_parallax_deg});
   }
 }
 
@@ -216,9 +218,10 @@ Reconstructed reconstruct(const Sequence& sequence, const std::optional<Model>& 
   StageClock stages(result.times);
   ColourViews views = read_views(sequence, model, options);
   stages.end("features");
-  const auto candidates = candidate_pairs(
-      views.views, model, options.known_positions.empty() ? decltype(options.known_positions){} : positions_of(views.views, options),
-      options.candidates);
+  const auto candidates =
+      candidate_pairs(views.views, model,
+                      options.known_positions.empty() ? decltype(options.known_positions){} : positions_of(views.views, options),
+                      options.candidates);
   result.num_candidate_pairs = candidates.size();
   stages.end("candidates");
   const std::vector<ViewPair> pairs = verify_pairs(views.views, candidates, options.view_graph);

@@ -85,9 +85,10 @@ struct Reconstructed {
   std::vector<StageTime> times;
 };
 
-/// Structure from motion over a sequence's images: features once an image, pairs that FAB-MAP proposes and geometry proves, tracks,
-/// segments that grow view by view (Schoenberger & Frahm, CVPR 2016), joined over shared points, bundle adjustment of all. The
-/// largest part is the result; what it leaves out is named with the reason. Throws InputError when no two views can be placed.
+/// Structure from motion over a sequence's images: features once an image, pairs that FAB-MAP proposes and geometry proves,
+/// tracks, segments that grow view by view (Schoenberger & Frahm, CVPR 2016), joined over shared points, bundle adjustment of
+/// all. The largest part is the result; what it leaves out is named with the reason. Throws InputError when no two views can be
+/// placed.
 Reconstructed reconstruct(const Sequence& sequence, const std::optional<Model>& model, const ReconstructOptions& options = {});
 
 }  // namespace fabloop

@@ -30,7 +30,8 @@ Eigen::Matrix<double, 2, 6> pixel_by_pose(const Camera& camera, const Eigen::Vec
   return by_point * point_by_pose;
 }
 
-SharedView shared_view(const Reconstruction& map, std::size_t query, std::size_t match, const std::vector<std::uint32_t>& points) {
+SharedView shared_view(const Reconstruction& map, std::size_t query, std::size_t match,
+                       const std::vector<std::uint32_t>& points) {
   const PlacedImage& image = map.images[query];
   const Camera& camera = map.cameras[image.camera];
   SharedView shared{query, match, points.size(), map.images[match].world_from_camera.inverse() * image.world_from_camera};

@@ -12,8 +12,8 @@
 namespace fabloop {
 
 struct ReconstructionGraphOptions {
-  std::size_t num_neighbours = 10;    ///< Pairs further apart than so many frames are loops.
-  std::size_t min_shared_points = 15; ///< Points that both must see in the result for a pair to count as proven by it.
+  std::size_t num_neighbours = 10;     ///< Pairs further apart than so many frames are loops.
+  std::size_t min_shared_points = 15;  ///< Points that both must see in the result for a pair to count as proven by it.
 };
 
 /// What the result says of two images that share points.

@@ -53,7 +53,7 @@ Json georeference_json(const Reconstructed& result, const ReconstructOptions& op
   const char* use = options.position_use == PositionUse::Witness ? "witness"
                     : options.position_use == PositionUse::Align ? "align"
                                                                  : "prior";
-  Json json = {{"found", true},       {"use", use},          {"positions", found.num_positions}, {"inliers", found.num_inliers},
+  Json json = {{"found", true},        {"use", use},           {"positions", found.num_positions}, {"inliers", found.num_inliers},
                {"scale", found.scale}, {"rms_m", found.rms_m}, {"median_m", found.median_m}};
   if (const auto& origin = result.reconstruction.origin) {
     json["origin"] = {

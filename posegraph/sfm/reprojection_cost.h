@@ -51,8 +51,7 @@ struct LensError {
     const T x = p.x() / p.z();
     const T y = p.y() / p.z();
     const T r2 = x * x + y * y;
-    const T radial =
-        (1.0 + r2 * (lens[1] + r2 * (lens[2] + r2 * k(4)))) / (1.0 + r2 * (k(5) + r2 * (k(6) + r2 * k(7))));
+    const T radial = (1.0 + r2 * (lens[1] + r2 * (lens[2] + r2 * k(4)))) / (1.0 + r2 * (k(5) + r2 * (k(6) + r2 * k(7))));
     const T u = x * radial + 2.0 * k(2) * x * y + k(3) * (r2 + 2.0 * x * x);
     const T v = y * radial + k(2) * (r2 + 2.0 * y * y) + 2.0 * k(3) * x * y;
     error[0] = camera.fx * lens[0] * u + camera.cx - pixel.x();

@@ -57,7 +57,8 @@ std::optional<Pose> resect(const Scene& scene, const Segment& segment, std::size
   pose_options.seed = pair_seed(options.seed, view, data.size());
   const auto found = estimate_absolute_pose(data, pose_options);
   if (!found || found->inliers.size() < options.min_inliers) return std::nullopt;
-  if (static_cast<double>(found->inliers.size()) < options.min_inlier_share * static_cast<double>(data.size())) return std::nullopt;
+  if (static_cast<double>(found->inliers.size()) < options.min_inlier_share * static_cast<double>(data.size()))
+    return std::nullopt;
   return found->world_from_camera;
 }
 

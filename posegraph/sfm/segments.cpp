@@ -29,8 +29,8 @@ std::vector<PointPair> shared_points(const Segment& from, const Segment& to) {
   std::vector<std::pair<std::size_t, PointPair>> shared;
   for (std::size_t t = 0; t < from.points.size(); ++t) {
     if (!from.points[t] || !to.points[t]) continue;
-    shared.push_back({from.points[t]->seen_by.size() + to.points[t]->seen_by.size(),
-                      {from.points[t]->x_in_world, to.points[t]->x_in_world}});
+    shared.push_back(
+        {from.points[t]->seen_by.size() + to.points[t]->seen_by.size(), {from.points[t]->x_in_world, to.points[t]->x_in_world}});
   }
   std::stable_sort(shared.begin(), shared.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<PointPair> pairs;
@@ -48,7 +48,8 @@ std::optional<Alignment> align(const Scene& scene, const Segment& from, const Se
   alignment.seed = options.seed;
   auto found = align_points(pairs, alignment);
   if (!found || found->inliers.size() < options.min_inliers) return std::nullopt;
-  if (static_cast<double>(found->inliers.size()) < options.min_inlier_share * static_cast<double>(pairs.size())) return std::nullopt;
+  if (static_cast<double>(found->inliers.size()) < options.min_inlier_share * static_cast<double>(pairs.size()))
+    return std::nullopt;
   return found;
 }
 

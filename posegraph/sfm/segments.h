@@ -14,8 +14,8 @@ struct JoinOptions {
   /// Standard deviation of a segment's points, as a share of the median distance from which they are seen. More joins segments
   /// that are bent.
   double point_sigma = 0.02;
-  std::size_t min_inliers = 12;    ///< Shared points that must agree with one similarity.
-  double min_inlier_share = 0.3;   ///< Of the points that both have.
+  std::size_t min_inliers = 12;   ///< Shared points that must agree with one similarity.
+  double min_inlier_share = 0.3;  ///< Of the points that both have.
   GrowthOptions growth;
   std::uint64_t seed = 1;
 };

@@ -34,8 +34,8 @@ std::vector<std::uint32_t> agreeing(const Scene& scene, const Segment& segment, 
                                     const Eigen::Vector3d& x_in_world, double max_error_px) {
   std::vector<std::uint32_t> positions;
   for (const std::uint32_t i : placed.positions) {
-    const double error_px = reprojection_error_px(scene.views[track[i].view].camera,
-                                                  *segment.world_from_cameras[track[i].view], x_in_world, pixel_of(scene, track[i]));
+    const double error_px = reprojection_error_px(scene.views[track[i].view].camera, *segment.world_from_cameras[track[i].view],
+                                                  x_in_world, pixel_of(scene, track[i]));
     if (error_px <= max_error_px) positions.push_back(i);
   }
   return positions;
@@ -53,8 +53,8 @@ double parallax_rad(const Segment& segment, const Track& track, const SegmentPoi
 }
 
 /// The point again from those who see it, when that leaves it its support.
-SegmentPoint refined(const Scene& scene, const Segment& segment, const Track& track, const PlacedRays& placed,
-                     SegmentPoint point, double max_error_px) {
+SegmentPoint refined(const Scene& scene, const Segment& segment, const Track& track, const PlacedRays& placed, SegmentPoint point,
+                     double max_error_px) {
   std::vector<Eigen::Vector3d> centres, rays;
   for (std::size_t k = 0; k < placed.positions.size(); ++k) {
     if (!std::binary_search(point.seen_by.begin(), point.seen_by.end(), placed.positions[k])) continue;

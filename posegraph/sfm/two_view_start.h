@@ -12,10 +12,10 @@
 namespace fabloop {
 
 struct TwoViewStartOptions {
-  double good_parallax_deg = 12.0;   ///< More makes a start no better.
-  double min_parallax_deg = 2.0;     ///< Below it depth is vague.
-  double max_rotation_share = 0.7;   ///< Inliers that a rotation alone may explain.
-  std::size_t min_points = 30;       ///< Of the first two views.
+  double good_parallax_deg = 12.0;  ///< More makes a start no better.
+  double min_parallax_deg = 2.0;    ///< Below it depth is vague.
+  double max_rotation_share = 0.7;  ///< Inliers that a rotation alone may explain.
+  std::size_t min_points = 30;      ///< Of the first two views.
   TrackTriangulationOptions triangulation;
 };
 

@@ -41,9 +41,8 @@ bool is_proven(const View& query, const View& match, const std::vector<Match>& m
   const double p_accident = p_accidental_epipolar_match(match.camera.width, match.camera.height, options.max_error_px);
   const ViewChange change = view_change(query.features, match.features, matches);
   const auto consistent = [&](const std::vector<Match>& of) {
-    return static_cast<std::size_t>(std::count_if(of.begin(), of.end(), [&](const Match& m) {
-      return agrees_with(change, query.features, match.features, m);
-    }));
+    return static_cast<std::size_t>(std::count_if(
+        of.begin(), of.end(), [&](const Match& m) { return agrees_with(change, query.features, match.features, m); }));
   };
   const double of_all = log10_false_alarms(matches.size(), inliers.size(), 5, p_accident, kFivePointModels);
   const double of_consistent = log10_false_alarms(consistent(matches), consistent(inliers), 5, p_accident, kFivePointModels);

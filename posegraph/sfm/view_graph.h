@@ -33,11 +33,11 @@ struct ViewPair {
   std::size_t match = 0;
   std::size_t num_matches = 0;
   std::vector<Match> inliers;
-  Pose match_from_query;          ///< Translation of unit length.
-  double median_parallax_deg = 0; ///< Between the inliers' rays, rotation undone.
-  double rotation_share = 0;      ///< Of the inliers, how many a rotation alone explains: near 1 there is no baseline.
-  double planar_ratio = 0;        ///< Of the inliers, how many one plane explains.
-  bool has_rival = false;         ///< Another pose of that plane explains them nearly as well.
+  Pose match_from_query;           ///< Translation of unit length.
+  double median_parallax_deg = 0;  ///< Between the inliers' rays, rotation undone.
+  double rotation_share = 0;       ///< Of the inliers, how many a rotation alone explains: near 1 there is no baseline.
+  double planar_ratio = 0;         ///< Of the inliers, how many one plane explains.
+  bool has_rival = false;          ///< Another pose of that plane explains them nearly as well.
 };
 
 /// Matches the candidates and keeps what geometry proves (five points, RANSAC, a-contrario test), in their order.

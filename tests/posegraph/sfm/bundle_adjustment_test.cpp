@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "posegraph/sfm/bundle_adjustment.h"
 
-#include <gtest/gtest.h>
-
 #include <ceres/autodiff_cost_function.h>
+#include <gtest/gtest.h>
 
 #include "frontend/error.h"
 #include "posegraph/sfm/reprojection_cost.h"
@@ -101,7 +100,8 @@ TEST(BundleAdjustment, HoldsFixedViewsAndFollowsKnownPositions) {
 }
 
 TEST(BundleAdjustment, RefinesAFocalLengthAndADistortionThatTheFlightDetermines) {
-  const SyntheticScene scene = make_synthetic_scene({.num_points = 400, .relief = 8, .tilt_deg = 25, .height_change = 6, .seed = 8});
+  const SyntheticScene scene =
+      make_synthetic_scene({.num_points = 400, .relief = 8, .tilt_deg = 25, .height_change = 6, .seed = 8});
   Bundle bundle = perturbed_bundle(scene, 0.01, 8);
   for (BundleView& view : bundle.views) view.is_fixed = false;
   bundle.camera.fx *= 1.03;

@@ -18,7 +18,8 @@ Segment flight(std::size_t count, double width) {
   std::uniform_real_distribution<double> unit(-1, 1);
   Segment segment;
   for (std::size_t i = 0; i < count; ++i) {
-    segment.world_from_cameras.push_back(Pose{Eigen::Quaterniond::Identity(), {10 * unit(random), width * unit(random), 0.3 * width * unit(random)}});
+    segment.world_from_cameras.push_back(
+        Pose{Eigen::Quaterniond::Identity(), {10 * unit(random), width * unit(random), 0.3 * width * unit(random)}});
   }
   return segment;
 }
@@ -30,7 +31,8 @@ TEST(Georeference, FindsTheSimilarityThroughWildPositions) {
   std::normal_distribution<double> noise(0, 0.5);
   std::vector<std::optional<Eigen::Vector3d>> known;
   for (std::size_t i = 0; i < 40; ++i) {
-    const Eigen::Vector3d x = 12.0 * (known_from_world.rotation * segment.world_from_cameras[i]->translation) + known_from_world.translation;
+    const Eigen::Vector3d x =
+        12.0 * (known_from_world.rotation * segment.world_from_cameras[i]->translation) + known_from_world.translation;
     known.push_back(x + Eigen::Vector3d(noise(random), noise(random), noise(random)));
     if (i % 5 == 0) *known.back() += Eigen::Vector3d(80, 0, -60);
     if (i % 7 == 3) known.back().reset();
@@ -68,7 +70,8 @@ TEST(Georeference, MovesASegmentAsASimilarity) {
 }
 
 TEST(EastNorthUp, AgreesWithTheEllipsoidsRadii) {
-  // At 45 degrees north: 1e-4 degrees are 11.1132 m north (meridian radius 6367381.8 m) and 7.8847 m east (normal radius 6388838.3 m).
+  // At 45 degrees north: 1e-4 degrees are 11.1132 m north (meridian radius 6367381.8 m) and 7.8847 m east (normal radius
+  // 6388838.3 m).
   const GeoOrigin origin{45.0, 7.0, 300.0};
   const Eigen::Vector3d north = east_north_up({45.0001, 7.0, 300.0}, origin);
   EXPECT_NEAR(north.y(), (6367381.8156 + 300) * rad_from_deg(1e-4), 1e-4);
@@ -82,7 +85,8 @@ TEST(ReadGps, GivesEachImageItsPositionAndNamesBadLines) {
   const test::ScratchFolder folder;
   Sequence sequence;
   sequence.name = "flight";
-  for (const char* name : {"a.jpg", "b.jpg"}) sequence.frames.push_back({.image_path = name, .odom_from_camera = {}, .world_from_camera = {}});
+  for (const char* name : {"a.jpg", "b.jpg"})
+    sequence.frames.push_back({.image_path = name, .odom_from_camera = {}, .world_from_camera = {}});
   const auto path = folder.path() / "gps.csv";
   const auto write = [&](const char* text) { std::ofstream(path) << text; };
   write("# filename,latitude_deg,longitude_deg,altitude_m\nb.jpg,45.5,-7.25,12.5\r\n");

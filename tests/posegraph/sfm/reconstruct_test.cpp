@@ -49,8 +49,8 @@ TEST(Reconstruct, PlacesAFlightFromItsImagesAlone) {
   EXPECT_TRUE(result.left_out.empty());
   EXPECT_LT(result.mean_error_px, 1.0);
   EXPECT_EQ(result.reconstruction.unit, LengthUnit::Arbitrary);
-  const auto error = absolute_trajectory_error(trajectory_of(result.reconstruction), reference_of(sequence),
-                                               {.alignment = Alignment::Sim3});
+  const auto error =
+      absolute_trajectory_error(trajectory_of(result.reconstruction), reference_of(sequence), {.alignment = Alignment::Sim3});
   ASSERT_TRUE(error);
   // Half a per cent of the flight's length; images of 240 pixels leave a few centimetres.
   EXPECT_LT(error->translation_m.rmse, 0.5);
@@ -65,8 +65,8 @@ TEST(Reconstruct, TakesTheUnitOfPositionsWhenAskedTo) {
   const Reconstructed result = reconstruct(sequence, std::nullopt, options);
   ASSERT_TRUE(result.georeference.found) << result.georeference.why_not;
   EXPECT_EQ(result.reconstruction.unit, LengthUnit::Metres);
-  const auto error = absolute_trajectory_error(trajectory_of(result.reconstruction), reference_of(sequence),
-                                               {.alignment = Alignment::None});
+  const auto error =
+      absolute_trajectory_error(trajectory_of(result.reconstruction), reference_of(sequence), {.alignment = Alignment::None});
   EXPECT_LT(error->translation_m.rmse, 0.5);
 }
 
@@ -102,7 +102,8 @@ TEST(ReconstructionGraph, HasLoopsThatTheReferenceBearsOut) {
       if (outcome.verification.verdict != Verdict::Accepted) continue;
       ++num_loops;
       EXPECT_FALSE(outcome.verification.has_scale);
-      const Pose truth = sequence.frames[outcome.match].world_from_camera->inverse() * *sequence.frames[event.query].world_from_camera;
+      const Pose truth =
+          sequence.frames[outcome.match].world_from_camera->inverse() * *sequence.frames[event.query].world_from_camera;
       const Pose& found = outcome.verification.match_from_query;
       constexpr double kMaxAngle_deg = 3;
       EXPECT_LT(deg_from_rad(rotation_angle(found.rotation.conjugate() * truth.rotation)), kMaxAngle_deg);

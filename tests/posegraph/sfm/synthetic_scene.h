@@ -19,12 +19,12 @@ struct SyntheticSceneOptions {
   std::size_t num_strips = 3;
   std::size_t views_per_strip = 5;
   std::size_t num_points = 600;
-  double relief = 3;          ///< Largest height of the ground over a height of flight of 20.
-  double tilt_deg = 8;        ///< Of the cameras off the vertical, at random.
-  double height_change = 2;   ///< Of the flight, at random.
+  double relief = 3;         ///< Largest height of the ground over a height of flight of 20.
+  double tilt_deg = 8;       ///< Of the cameras off the vertical, at random.
+  double height_change = 2;  ///< Of the flight, at random.
   double noise_px = 0;
-  double wrong_share = 0;     ///< Of the track members, how many show another spot.
-  double east = 0;            ///< Where the flight begins.
+  double wrong_share = 0;  ///< Of the track members, how many show another spot.
+  double east = 0;         ///< Where the flight begins.
   std::uint64_t seed = 1;
 };
 
@@ -51,8 +51,8 @@ inline Camera synthetic_camera() {
 
 inline std::vector<Pose> synthetic_flight(const SyntheticSceneOptions& options, std::mt19937_64& random) {
   constexpr double kHeight = 20;
-  constexpr double kSpacing = 5;        // of 26 that a view sees: 80 % overlap
-  constexpr double kStripGap = 8;    // of 19
+  constexpr double kSpacing = 5;   // of 26 that a view sees: 80 % overlap
+  constexpr double kStripGap = 8;  // of 19
   std::uniform_real_distribution<double> unit(-1, 1);
   const Eigen::Quaterniond down(Eigen::AngleAxisd(kPi, Eigen::Vector3d::UnitX()));
   std::vector<Pose> poses;

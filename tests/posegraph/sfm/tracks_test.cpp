@@ -28,7 +28,8 @@ TEST(Tracks, FollowAPointThroughViewsThatWereMatchedInTurn) {
 
 TEST(Tracks, LeaveOutTheLessDistinctiveMatchThatWouldShowAPointTwiceInAView) {
   // Features 0 and 1 of view 0 end in one track through view 1 and 2; the last link, of ratio 0.8, is the wrong one.
-  const TrackSet set = build_tracks({2, 1, 1}, {pair_of(1, 0, {{0, 0, 0.3F}}), pair_of(2, 0, {{0, 1, 0.8F}}), pair_of(2, 1, {{0, 0, 0.4F}})});
+  const TrackSet set =
+      build_tracks({2, 1, 1}, {pair_of(1, 0, {{0, 0, 0.3F}}), pair_of(2, 0, {{0, 1, 0.8F}}), pair_of(2, 1, {{0, 0, 0.4F}})});
   ASSERT_EQ(set.tracks.size(), 1U);
   EXPECT_EQ(set.tracks[0], (Track{{0, 0}, {1, 0}, {2, 0}}));
 }
