@@ -35,6 +35,14 @@ void print_reconstruction_report(std::ostream& out, const Sequence& sequence, co
   for (const LeftOutFrame& frame : result.left_out) by_reason[frame.why].push_back(frame.frame);
   for (const auto& [why, frames] : by_reason) out << "  left out " << frame_ranges(frames) << ": " << why << '\n';
   for (const auto& part : result.other_parts) out << "  a part of its own: " << frame_ranges(part) << '\n';
+  if (result.camera_check.is_contradicted && !result.camera_was_refined) {
+    out << "  the images contradict the camera's focal length: they agree best with " << result.camera_check.best_focal_factor
+        << " of it, and the map is bent accordingly\n";
+  }
+  if (const auto& found = result.georeference.found) {
+    out << "  known positions: " << found->num_inliers << " of " << found->num_positions << " agree with the map, rms "
+        << found->rms_m << " m\n";
+  }
   if (map.unit == LengthUnit::Arbitrary) out << "  the unit of length is arbitrary: images alone show none\n";
   for (const StageTime& time : result.times) out << "  " << time.stage << ' ' << time.seconds << " s\n";
 }
