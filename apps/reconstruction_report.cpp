@@ -16,7 +16,7 @@ std::string frame_ranges(const std::vector<std::size_t>& frames) {
     while (end + 1 < frames.size() && frames[end + 1] == frames[end] + 1) ++end;
     if (!text.empty()) text += ", ";
     text += std::to_string(frames[i]);
-    if (end > i) text += "-" + std::to_string(frames[end]);
+    if (end > i) text.append("-").append(std::to_string(frames[end]));
     i = end + 1;
   }
   return text;
