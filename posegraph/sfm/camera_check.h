@@ -11,7 +11,7 @@ struct CameraCheckOptions {
   double probe = 0.03;               ///< The focal length is moved by this share to see what the images say to it.
   double max_relative_sigma = 0.01;  ///< A focal length less certain than this is not taken: it would dome the ground.
   /// Neighbouring errors are alike, so that the sightings say less than their number: their information is divided by this.
-  double redundancy = 10.0;
+  double redundancy = 100.0;
   double max_mismatch = 0.05;  ///< A focal length that differs by more from what the images say is called wrong.
   SegmentAdjustmentOptions adjustment{.bundle = {.max_iterations = 12}, .num_points_per_view = 150};
 };
