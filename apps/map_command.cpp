@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <iomanip>
@@ -10,11 +11,14 @@
 #include "apps/command.h"
 #include "apps/feature_arguments.h"
 #include "apps/progress_bar.h"
+#include "apps/reconstruction_report.h"
 #include "apps/run_report.h"
 #include "frontend/error.h"
 #include "frontend/fabmap/model.h"
 #include "posegraph/map_sequence.h"
 #include "posegraph/run_folder.h"
+#include "posegraph/sfm/reconstruct.h"
+#include "posegraph/sfm/reconstruction_folder.h"
 
 namespace fabloop::apps {
 namespace {
@@ -28,6 +32,10 @@ struct MapArguments {
   double max_time_difference_s = 0.01;
   bool strict = false;
   bool overwrite = false;
+  bool from_images = false;
+  std::string gps, gps_use = "witness", refine = "nothing";
+  double gps_sigma_m = GeoreferenceOptions{}.sigma_m;
+  std::size_t gps_neighbours = 0;
   MapSequenceOptions options;
 };
 
@@ -56,12 +64,59 @@ void require_usable_maps(const MapArguments& arguments) {
   }
 }
 
+/// Where the cameras are by GPS: a file, the sequence's own, or EXIF; or by the odometry, which has metres too.
+void take_positions(const MapArguments& arguments, const Sequence& sequence, ReconstructOptions& options) {
+  namespace fs = std::filesystem;
+  if (!arguments.odometry.empty()) {
+    for (const Frame& frame : sequence.frames) {
+      options.known_positions.push_back(frame.odom_from_camera ? std::optional(frame.odom_from_camera->translation) : std::nullopt);
+    }
+    options.position_use = PositionUse::Align;
+    return;
+  }
+  const fs::path of_sequence = fs::path(arguments.sequence) / "gps.csv";
+  const fs::path path = !arguments.gps.empty() ? fs::path(arguments.gps) : fs::exists(of_sequence) ? of_sequence : fs::path{};
+  const auto positions = path.empty() ? gps_from_exif(sequence) : read_gps(path, sequence);
+  if (std::none_of(positions.begin(), positions.end(), [](const auto& p) { return p.has_value(); })) return;
+  const LocalPositions local = local_positions(positions);
+  options.known_positions = local.east_north_up_m;
+  options.origin = local.origin;
+  options.georeference.sigma_m = arguments.gps_sigma_m;
+  options.candidates.num_nearest = arguments.gps_neighbours;
+  options.position_use = arguments.gps_use == "prior"   ? PositionUse::Prior
+                         : arguments.gps_use == "align" ? PositionUse::Align
+                                                        : PositionUse::Witness;
+}
+
+/// The map from images alone.
+void run_reconstruct(const MapArguments& arguments, const CommonOptions& common, OutputFolder::IfExists if_exists) {
+  const Sequence sequence = read_sequence(arguments.sequence, {.camera = arguments.camera,
+                                                               .odometry = arguments.odometry,
+                                                               .reference = arguments.reference,
+                                                               .max_time_difference_s = arguments.max_time_difference_s,
+                                                               .warn = make_warn(common)});
+  std::optional<Model> model;
+  if (!arguments.model.empty()) model = read_model(arguments.model);
+  ReconstructOptions options;
+  options.features = asked_features(arguments.features, reconstruction_features());
+  options.refine = arguments.refine == "focal"          ? RefineCamera::Focal
+                   : arguments.refine == "focal-radial" ? RefineCamera::FocalRadial
+                                                        : RefineCamera::Nothing;
+  take_positions(arguments, sequence, options);
+  options.if_damaged = arguments.strict ? IfDamaged::Refuse : IfDamaged::Skip;
+  options.num_threads = common.num_threads;
+  options.seed = arguments.options.seed;
+  options.warn = make_warn(common);
+  options.progress = make_progress(common);
+  const Reconstructed result = reconstruct(sequence, model, options);
+  write_reconstruction_folder(arguments.out, sequence, result, options, if_exists);
+  print_reconstruction_report(std::cout, sequence, result, arguments.out);
+}
+
 void run_map(MapArguments& arguments, const CommonOptions& common) {
   const auto if_exists = arguments.overwrite ? OutputFolder::IfExists::Replace : OutputFolder::IfExists::Refuse;
   { const OutputFolder probe(arguments.out, if_exists); }  // before the work, not after it
-  if (arguments.odometry.empty()) {
-    throw InputError(arguments.sequence + ": give the odometry of these images with --odometry FILE (TUM format)");
-  }
+  if (arguments.odometry.empty() || arguments.from_images) return run_reconstruct(arguments, common, if_exists);
   require_usable_maps(arguments);
   SequenceOptions sequence_options{.camera = arguments.camera,
                                    .odometry = arguments.odometry,
@@ -92,7 +147,7 @@ void run_map(MapArguments& arguments, const CommonOptions& common) {
 
 void add_input_options(CLI::App* command, MapArguments& arguments) {
   command->add_option("SEQUENCE", arguments.sequence, "folder with the images (itself or in images/)")->required();
-  command->add_option("--odometry", arguments.odometry, "TUM file: t tx ty tz qx qy qz qw, world_from_camera");
+  command->add_option("--odometry", arguments.odometry, "TUM file: t tx ty tz qx qy qz qw, world_from_camera (default: none; structure from motion)");
   command->add_option("--model", arguments.model, "model of `fabloop train` (default: train on the sequence itself)");
   command->add_option("--reference", arguments.reference, "TUM file to compare with (default: reference.tum in the folder)");
   command->add_option("--camera", arguments.camera, "calibration file (default: camera.yaml in the folder, else EXIF)");
@@ -104,6 +159,26 @@ void add_input_options(CLI::App* command, MapArguments& arguments) {
       ->capture_default_str();
   command->add_flag("--strict", arguments.strict, "stop at an image that cannot be read instead of skipping it");
   command->add_flag("--overwrite", arguments.overwrite, "replace the folder if it exists");
+}
+
+void add_reconstruction_options(CLI::App* command, MapArguments& arguments) {
+  command->add_flag("--from-images", arguments.from_images,
+                    "structure from motion although there is odometry, which then gives the unit of length only");
+  command->add_option("--gps", arguments.gps,
+                      "without odometry: lines filename,latitude,longitude,altitude (default: gps.csv in the folder, else EXIF)");
+  command
+      ->add_option("--gps-use", arguments.gps_use,
+                   "witness: only to compare with; align: for unit, place and attitude; prior: also to straighten the map")
+      ->check(CLI::IsMember({"witness", "align", "prior"}))
+      ->capture_default_str();
+  command->add_option("--gps-sigma", arguments.gps_sigma_m, "standard deviation of the GPS along each axis, metres")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--gps-neighbours", arguments.gps_neighbours, "compare each image with so many of the nearest by GPS, too")
+      ->capture_default_str();
+  command->add_option("--refine", arguments.refine, "without odometry: what of the camera to refine where the images determine it")
+      ->check(CLI::IsMember({"nothing", "focal", "focal-radial"}))
+      ->capture_default_str();
 }
 
 void add_method_options(CLI::App* command, MapArguments& arguments) {
@@ -135,8 +210,9 @@ void add_method_options(CLI::App* command, MapArguments& arguments) {
 
 void add_map_command(CLI::App& program, const CommonOptions& common) {
   const auto arguments = std::make_shared<MapArguments>();
-  CLI::App* command = program.add_subcommand("map", "Images and odometry in, a corrected map with its proven loops out");
+  CLI::App* command = program.add_subcommand("map", "Images in, with or without odometry; a map with its proven loops out");
   add_input_options(command, *arguments);
+  add_reconstruction_options(command, *arguments);
   add_method_options(command, *arguments);
   command->callback([arguments, &common] { run_map(*arguments, common); });
 }

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <memory>
+#include <vector>
 
 namespace fabloop {
 namespace {
@@ -90,6 +91,34 @@ std::optional<double> focal_px(ExifData& data, int width, int height) {
   return std::abs(*from_sensor / *from_35mm - 1) < kRoughly ? from_sensor : from_35mm;
 }
 
+const ExifEntry* gps_entry(ExifData& data, int tag) {
+  const ExifEntry* entry = exif_content_get_entry(data.ifd[EXIF_IFD_GPS], static_cast<ExifTag>(tag));
+  return entry != nullptr && entry->data != nullptr ? entry : nullptr;
+}
+
+/// The rationals of a GPS tag; none when there are fewer, or a damaged one.
+std::optional<std::vector<double>> gps_numbers(ExifData& data, int tag, std::size_t count) {
+  const ExifEntry* entry = gps_entry(data, tag);
+  const std::size_t size = exif_format_get_size(EXIF_FORMAT_RATIONAL);
+  if (entry == nullptr || entry->format != EXIF_FORMAT_RATIONAL || entry->size < count * size) return std::nullopt;
+  std::vector<double> numbers;
+  for (std::size_t i = 0; i < count; ++i) {
+    const ExifRational value = exif_get_rational(entry->data + i * size, exif_data_get_byte_order(&data));
+    if (value.denominator == 0) return std::nullopt;
+    numbers.push_back(static_cast<double>(value.numerator) / value.denominator);
+  }
+  return numbers;
+}
+
+/// Degrees, minutes and seconds as EXIF has them, with the sign that the reference letter tells.
+std::optional<double> gps_degrees(ExifData& data, int tag, int reference_tag, char negative) {
+  const auto parts = gps_numbers(data, tag, 3);
+  const ExifEntry* reference = gps_entry(data, reference_tag);
+  if (!parts || reference == nullptr || reference->size < 1) return std::nullopt;
+  const double degrees = (*parts)[0] + (*parts)[1] / 60.0 + (*parts)[2] / 3600.0;
+  return static_cast<char>(reference->data[0]) == negative ? -degrees : degrees;
+}
+
 }  // namespace
 
 std::optional<Camera> camera_from_exif(const std::filesystem::path& image_path, int width, int height) {
@@ -104,6 +133,18 @@ std::optional<Camera> camera_from_exif(const std::filesystem::path& image_path, 
   camera.cx = 0.5 * (width - 1);
   camera.cy = 0.5 * (height - 1);
   return camera;
+}
+
+std::optional<GeoPosition> position_from_exif(const std::filesystem::path& image_path) {
+  const std::unique_ptr<ExifData, FreeExif> data(exif_data_new_from_file(image_path.c_str()));
+  if (!data) return std::nullopt;
+  const auto latitude = gps_degrees(*data, EXIF_TAG_GPS_LATITUDE, EXIF_TAG_GPS_LATITUDE_REF, 'S');
+  const auto longitude = gps_degrees(*data, EXIF_TAG_GPS_LONGITUDE, EXIF_TAG_GPS_LONGITUDE_REF, 'W');
+  const auto altitude = gps_numbers(*data, EXIF_TAG_GPS_ALTITUDE, 1);
+  if (!latitude || !longitude || !altitude) return std::nullopt;
+  const ExifEntry* below = gps_entry(*data, EXIF_TAG_GPS_ALTITUDE_REF);
+  const bool is_below = below != nullptr && below->size >= 1 && below->data[0] == 1;
+  return GeoPosition{*latitude, *longitude, is_below ? -altitude->front() : altitude->front()};
 }
 
 }  // namespace fabloop

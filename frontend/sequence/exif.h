@@ -14,4 +14,14 @@ namespace fabloop {
 /// file has no such EXIF.
 std::optional<Camera> camera_from_exif(const std::filesystem::path& image_path, int width, int height);
 
+/// A place on Earth (WGS 84).
+struct GeoPosition {
+  double latitude_deg = 0;
+  double longitude_deg = 0;
+  double altitude_m = 0;
+};
+
+/// Where an image's EXIF says that it was taken; none when it does not say, altitude included.
+std::optional<GeoPosition> position_from_exif(const std::filesystem::path& image_path);
+
 }  // namespace fabloop

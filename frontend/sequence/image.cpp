@@ -60,10 +60,10 @@ cv::Mat read_gray_image(const fs::path& image_path, const Camera& camera) {
   return gray;
 }
 
-cv::Mat read_color_image(const fs::path& image_path, const Camera& camera) {
-  cv::Mat color = read_image(image_path, cv::IMREAD_COLOR);
-  require_size(image_path, color, camera);
-  return color;
+cv::Mat read_colour_image(const fs::path& image_path, const Camera& camera) {
+  cv::Mat colour = read_image(image_path, cv::IMREAD_COLOR);
+  require_size(image_path, colour, camera);
+  return colour;
 }
 
 }  // namespace fabloop

@@ -47,7 +47,7 @@ std::shared_ptr<const ImagePyramid> ImageCache::get(std::size_t image) {
   }
   // Decoded outside of the lock: other threads go on with what is there.
   const PlacedImage& placed = reconstruction_.images[image];
-  const auto pyramid = make_pyramid(read_color_image(placed.image_path, reconstruction_.cameras[placed.camera]));
+  const auto pyramid = make_pyramid(read_colour_image(placed.image_path, reconstruction_.cameras[placed.camera]));
   const std::scoped_lock lock(mutex_);
   insert(image, pyramid);
   return pyramid;

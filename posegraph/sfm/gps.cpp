@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "posegraph/sfm/gps.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "frontend/error.h"
+
+namespace fabloop {
+namespace {
+
+/// Earth-centred, earth-fixed coordinates on the WGS 84 ellipsoid (National Imagery and Mapping Agency, TR8350.2, eq. 4-14).
+Eigen::Vector3d earth_centred(const GeoPosition& position) {
+  constexpr double kSemiMajorAxis_m = 6378137.0;
+  constexpr double kFlattening = 1.0 / 298.257223563;
+  constexpr double kSquaredEccentricity = kFlattening * (2.0 - kFlattening);
+  const double latitude = rad_from_deg(position.latitude_deg);
+  const double longitude = rad_from_deg(position.longitude_deg);
+  const double sine = std::sin(latitude);
+  const double normal_radius = kSemiMajorAxis_m / std::sqrt(1.0 - kSquaredEccentricity * sine * sine);
+  const double across = (normal_radius + position.altitude_m) * std::cos(latitude);
+  return {across * std::cos(longitude), across * std::sin(longitude),
+          (normal_radius * (1.0 - kSquaredEccentricity) + position.altitude_m) * sine};
+}
+
+std::optional<double> number(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t");
+  if (first == std::string_view::npos) return std::nullopt;
+  text = text.substr(first, text.find_last_not_of(" \t\r") + 1 - first);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+std::optional<GeoPosition> parse(std::string_view numbers) {
+  std::vector<double> values;
+  while (values.size() < 4) {
+    const auto comma = numbers.find(',');
+    const auto value = number(numbers.substr(0, comma));
+    if (!value) return std::nullopt;
+    values.push_back(*value);
+    if (comma == std::string_view::npos) break;
+    numbers.remove_prefix(comma + 1);
+  }
+  if (values.size() != 3 || std::abs(values[0]) > 90.0 || std::abs(values[1]) > 360.0) return std::nullopt;
+  return GeoPosition{values[0], values[1], values[2]};
+}
+
+}  // namespace
+
+Eigen::Vector3d east_north_up(const GeoPosition& position, const GeoOrigin& origin) {
+  const Eigen::Vector3d offset =
+      earth_centred(position) - earth_centred({origin.latitude_deg, origin.longitude_deg, origin.altitude_m});
+  const double sin_lat = std::sin(rad_from_deg(origin.latitude_deg));
+  const double cos_lat = std::cos(rad_from_deg(origin.latitude_deg));
+  const double sin_lon = std::sin(rad_from_deg(origin.longitude_deg));
+  const double cos_lon = std::cos(rad_from_deg(origin.longitude_deg));
+  Eigen::Matrix3d local_from_earth;
+  local_from_earth << -sin_lon, cos_lon, 0,             //
+      -sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat,  //
+      cos_lat * cos_lon, cos_lat * sin_lon, sin_lat;
+  return local_from_earth * offset;
+}
+
+std::vector<std::optional<GeoPosition>> read_gps(const std::filesystem::path& path, const Sequence& sequence) {
+  std::ifstream file(path);
+  if (!file) throw InputError(path.string() + ": the GPS file cannot be read; does it exist?");
+  std::map<std::string, GeoPosition> by_name;
+  std::string line;
+  for (std::size_t number_of_line = 1; std::getline(file, line); ++number_of_line) {
+    if (line.empty() || line.front() == '#' || line == "\r") continue;
+    const auto comma = line.find(',');
+    const auto position = comma == std::string::npos ? std::nullopt : parse(std::string_view(line).substr(comma + 1));
+    if (!position) {
+      throw InputError(path.string() + ":" + std::to_string(number_of_line) +
+                       ": is no line 'filename,latitude_deg,longitude_deg,altitude_m'");
+    }
+    by_name[line.substr(0, comma)] = *position;
+  }
+  std::vector<std::optional<GeoPosition>> positions;
+  for (const Frame& frame : sequence.frames) {
+    const auto at = by_name.find(frame.image_path.filename().string());
+    positions.push_back(at == by_name.end() ? std::nullopt : std::optional(at->second));
+  }
+  if (std::none_of(positions.begin(), positions.end(), [](const auto& p) { return p.has_value(); })) {
+    throw InputError(path.string() + ": names none of the images of " + sequence.name + "; is it of another flight?");
+  }
+  return positions;
+}
+
+std::vector<std::optional<GeoPosition>> gps_from_exif(const Sequence& sequence) {
+  std::vector<std::optional<GeoPosition>> positions;
+  for (const Frame& frame : sequence.frames) positions.push_back(position_from_exif(frame.image_path));
+  return positions;
+}
+
+LocalPositions local_positions(const std::vector<std::optional<GeoPosition>>& positions) {
+  LocalPositions local;
+  local.east_north_up_m.resize(positions.size());
+  const auto first = std::find_if(positions.begin(), positions.end(), [](const auto& p) { return p.has_value(); });
+  if (first == positions.end()) return local;
+  local.origin = {(*first)->latitude_deg, (*first)->longitude_deg, (*first)->altitude_m};
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    if (positions[i]) local.east_north_up_m[i] = east_north_up(*positions[i], local.origin);
+  }
+  return local;
+}
+
+}  // namespace fabloop

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "posegraph/sfm/growth.h"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <utility>
+
+namespace fabloop {
+namespace {
+
+constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
+
+/// The view that sees most of the segment, those aside that failed with as many points.
+std::optional<std::size_t> next_view(const Scene& scene, const Segment& segment, const std::vector<char>& may_be_placed,
+                                     const std::vector<std::size_t>& failed_with, std::size_t min_points) {
+  std::optional<std::size_t> best;
+  std::size_t best_score = 0;
+  for (std::size_t view = 0; view < scene.views.size(); ++view) {
+    if (may_be_placed[view] == 0 || segment.world_from_cameras[view]) continue;
+    const Visibility visible = visibility(scene, segment, view);
+    // A view that failed is worth another try when it sees a fifth more.
+    if (visible.num_points < min_points || 5 * visible.num_points <= 6 * failed_with[view]) continue;
+    if (visible.score > best_score) best = view, best_score = visible.score;
+  }
+  return best;
+}
+
+/// Of the members of tracks that two placed views share, the share that lies on a point.
+double agreement(const Scene& scene, const Segment& segment) {
+  std::size_t num_members = 0;
+  std::size_t num_agreeing = 0;
+  for (std::size_t t = 0; t < scene.tracks.tracks.size(); ++t) {
+    const Track& track = scene.tracks.tracks[t];
+    const auto placed = static_cast<std::size_t>(std::count_if(
+        track.begin(), track.end(), [&](const TrackFeature& m) { return segment.world_from_cameras[m.view].has_value(); }));
+    if (placed < 3) continue;
+    num_members += placed;
+    if (segment.points[t]) num_agreeing += segment.points[t]->seen_by.size();
+  }
+  return num_members == 0 ? 0.0 : static_cast<double>(num_agreeing) / static_cast<double>(num_members);
+}
+
+}  // namespace
+
+void settle(const Scene& scene, Segment& segment, const GrowthOptions& options) {
+  constexpr int kRounds = 2;
+  SegmentAdjustmentOptions adjustment;
+  adjustment.num_points_per_view = options.num_points_per_view;
+  for (int round = 0; round < kRounds; ++round) {
+    refresh_all_points(scene, segment, options.triangulation);
+    adjust_segment(scene, segment, adjustment);
+  }
+  refresh_all_points(scene, segment, options.triangulation);
+}
+
+std::size_t grow(const Scene& scene, Segment& segment, const std::vector<char>& may_be_placed, std::size_t max_added,
+                 const GrowthOptions& options) {
+  std::vector<std::size_t> failed_with(scene.views.size(), 0);
+  std::size_t num_added = 0;
+  std::size_t placed = num_placed(segment);
+  std::size_t placed_at_adjustment = placed;
+  while (num_added < max_added) {
+    const auto view = next_view(scene, segment, may_be_placed, failed_with, options.resection.min_inliers);
+    if (!view) {
+      if (placed == placed_at_adjustment) break;
+      settle(scene, segment, options);  // views that failed get another chance with better points
+      placed_at_adjustment = placed;
+      std::fill(failed_with.begin(), failed_with.end(), 0);
+      continue;
+    }
+    const auto world_from_camera = resect(scene, segment, *view, options.resection);
+    if (!world_from_camera) {
+      failed_with[*view] = visibility(scene, segment, *view).num_points;
+      continue;
+    }
+    segment.world_from_cameras[*view] = world_from_camera;
+    refresh_points(scene, segment, scene.tracks.of_view[*view], options.triangulation);
+    adjust_around(scene, segment, *view, options.local);
+    refresh_points(scene, segment, scene.tracks.of_view[*view], options.triangulation);
+    ++num_added;
+    ++placed;
+    if (static_cast<double>(placed) >= (1.0 + options.growth_per_adjustment) * static_cast<double>(placed_at_adjustment)) {
+      settle(scene, segment, options);
+      placed_at_adjustment = placed;
+    }
+    if (options.progress) options.progress("placing", placed, scene.views.size());
+  }
+  return num_added;
+}
+
+std::vector<Segment> build_segments(const Scene& scene, const std::vector<ViewPair>& pairs, const GrowthOptions& options) {
+  constexpr std::size_t kTrialViews = 3;
+  std::vector<Segment> segments;
+  std::vector<char> is_left(scene.views.size(), 1);
+  std::size_t num_starts = 0;
+  for (const std::size_t p : start_order(pairs, options.start)) {
+    if (is_left[pairs[p].query] == 0 || is_left[pairs[p].match] == 0) continue;
+    if (num_starts++ == options.num_starts) break;
+    auto segment = start_segment(scene, pairs[p], options.start);
+    if (!segment) continue;
+    grow(scene, *segment, is_left, kTrialViews, options);
+    if (num_placed(*segment) < options.min_views || agreement(scene, *segment) < options.min_start_agreement) continue;
+    grow(scene, *segment, is_left, kNoLimit, options);
+    for (std::size_t view = 0; view < scene.views.size(); ++view) {
+      if (segment->world_from_cameras[view]) is_left[view] = 0;
+    }
+    segments.push_back(std::move(*segment));
+    num_starts = 0;
+  }
+  std::stable_sort(segments.begin(), segments.end(),
+                   [](const Segment& a, const Segment& b) { return num_placed(a) > num_placed(b); });
+  return segments;
+}
+
+}  // namespace fabloop

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+#include "frontend/progress.h"
+#include "posegraph/sfm/resection.h"
+#include "posegraph/sfm/segment.h"
+#include "posegraph/sfm/segment_adjustment.h"
+#include "posegraph/sfm/track_triangulation.h"
+#include "posegraph/sfm/two_view_start.h"
+#include "posegraph/sfm/view_graph.h"
+
+namespace fabloop {
+
+struct GrowthOptions {
+  TwoViewStartOptions start;
+  ResectionOptions resection;
+  TrackTriangulationOptions triangulation;
+  LocalAdjustmentOptions local;
+  /// The whole segment is adjusted again when it has grown by this share since the last time. Less is slower and drifts less.
+  double growth_per_adjustment = 0.2;
+  std::size_t num_points_per_view = 250;  ///< Of these adjustments; see SegmentAdjustmentOptions.
+  std::size_t min_views = 3;              ///< Smaller segments prove nothing.
+  std::size_t num_starts = 20;            ///< So many pairs are tried for a segment.
+  /// A start is good when this share of the track members of its first views lies on their points.
+  double min_start_agreement = 0.6;
+  Progress progress;
+};
+
+/// Adds the views that `may_be_placed` (one a view) allows, the one that sees most of the segment first, until none can be added;
+/// at most so many. Returns how many were added.
+std::size_t grow(const Scene& scene, Segment& segment, const std::vector<char>& may_be_placed, std::size_t max_added,
+                 const GrowthOptions& options = {});
+
+/// Adjusts the whole segment and brings its points up to date, twice.
+void settle(const Scene& scene, Segment& segment, const GrowthOptions& options);
+
+/// Segments that cover as many views as can be placed, the largest first: each begins with a pair of views that no other segment
+/// has, and grows as far as it goes.
+std::vector<Segment> build_segments(const Scene& scene, const std::vector<ViewPair>& pairs, const GrowthOptions& options = {});
+
+}  // namespace fabloop

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "posegraph/sfm/reconstruction_folder.h"
+
+#include <array>
+#include <bit>
+#include <cstring>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "frontend/error.h"
+#include "frontend/sequence/trajectory.h"
+#include "posegraph/g2o_io.h"
+#include "posegraph/sfm/reconstruction_graph.h"
+#include "posegraph/sfm/reconstruction_picture.h"
+#include "posegraph/sfm/reconstruction_summary.h"
+#include "verification/ledger.h"
+
+namespace fabloop {
+namespace {
+
+void append_float(std::string& bytes, double value) {
+  static_assert(std::endian::native == std::endian::little, "the PLY header promises little-endian numbers");
+  const auto as_float = static_cast<float>(value);
+  std::array<char, sizeof(float)> raw{};
+  std::memcpy(raw.data(), &as_float, sizeof(float));
+  bytes.append(raw.data(), raw.size());
+}
+
+void write_frames_csv(const std::filesystem::path& path, const Sequence& sequence) {
+  OutputFile file(path);
+  file.stream() << "# filename,timestamp_s\n";
+  for (const Frame& frame : sequence.frames) {
+    file.stream() << frame.image_path.filename().string() << ',' << seconds_from_nanoseconds(frame.time_ns) << '\n';
+  }
+  file.commit();
+}
+
+void write_loops_csv(const std::filesystem::path& path, const Reconstructed& result) {
+  OutputFile file(path);
+  file.stream() << ledger_csv_head() << '\n';
+  for (const LoopEvent& event : reconstruction_loops(result)) write_ledger(file.stream(), event, LedgerFormat::Csv);
+  file.commit();
+}
+
+void write_picture(const std::filesystem::path& path, const Reconstructed& result) {
+  std::vector<std::pair<std::size_t, std::size_t>> loops;
+  const ReconstructionGraphOptions options;
+  for (const SharedView& shared : shared_views(result, options)) {
+    const auto& images = result.reconstruction.images;
+    if (images[shared.query].frame - images[shared.match].frame > options.num_neighbours) {
+      loops.emplace_back(shared.query, shared.match);
+    }
+  }
+  std::vector<std::uint8_t> png;
+  if (!cv::imencode(".png", draw_reconstruction(result.reconstruction, loops), png)) {
+    throw InputError(path.string() + ": the picture cannot be encoded as PNG");
+  }
+  OutputFile file(path);
+  file.stream().write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
+  file.commit();
+}
+
+}  // namespace
+
+Trajectory trajectory_of(const Reconstruction& reconstruction) {
+  Trajectory trajectory;
+  for (const PlacedImage& image : reconstruction.images) trajectory.push_back({image.time_ns, image.world_from_camera});
+  return trajectory;
+}
+
+void write_points_ply(const std::filesystem::path& path, const Reconstruction& reconstruction) {
+  std::string bytes;
+  for (const ScenePoint& point : reconstruction.points) {
+    for (const double value : {point.x_in_world.x(), point.x_in_world.y(), point.x_in_world.z()}) append_float(bytes, value);
+    for (int i = 0; i < 3; ++i) bytes.push_back(static_cast<char>(point.red_green_blue[i]));
+  }
+  OutputFile file(path);
+  file.stream() << "ply\nformat binary_little_endian 1.0\ncomment world of trajectory.tum\nelement vertex "
+                << reconstruction.points.size()
+                << "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
+                   "property uchar blue\nend_header\n";
+  file.stream().write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file.commit();
+}
+
+void write_reconstruction_folder(const std::filesystem::path& path, const Sequence& sequence, const Reconstructed& result,
+                                 const ReconstructOptions& options, OutputFolder::IfExists if_exists) {
+  OutputFolder folder(path, if_exists);
+  const auto& part = folder.part_path();
+  write_tum(part / "trajectory.tum", trajectory_of(result.reconstruction));
+  write_frames_csv(part / "frames.csv", sequence);
+  write_points_ply(part / "points.ply", result.reconstruction);
+  write_g2o(part / "graph.g2o", reconstruction_graph(result));
+  write_loops_csv(part / "loops.csv", result);
+  write_picture(part / "map.png", result);
+  write_reconstruction_summary(part / "summary.json", sequence, result, options);
+  folder.commit();
+}
+
+}  // namespace fabloop

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "posegraph/sfm/reconstruction_summary.h"
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "frontend/output_file.h"
+#include "frontend/stage_times.h"
+#include "posegraph/sfm/reconstruction_folder.h"
+#include "posegraph/sfm/reconstruction_graph.h"
+#include "posegraph/trajectory_error.h"
+
+namespace fabloop {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json left_out_json(const Reconstructed& result) {
+  Json list = Json::array();
+  for (const LeftOutFrame& frame : result.left_out) list.push_back({{"frame", frame.frame}, {"why", frame.why}});
+  return list;
+}
+
+Json loops_json(const Reconstructed& result) {
+  std::size_t num_hypotheses = 0;
+  std::size_t num_accepted = 0;
+  for (const LoopEvent& event : reconstruction_loops(result)) {
+    num_hypotheses += event.hypotheses.size();
+    for (const auto& outcome : event.hypotheses) num_accepted += outcome.verification.verdict == Verdict::Accepted;
+  }
+  const bool has_scale = result.reconstruction.unit == LengthUnit::Metres;
+  return {{"hypotheses", num_hypotheses}, {"accepted", num_accepted}, {"accepted_with_scale", has_scale ? num_accepted : 0}};
+}
+
+Json camera_json(const Reconstructed& result) {
+  const Camera& camera = result.reconstruction.cameras.front();
+  const CameraCheck& check = result.camera_check;
+  return {{"fx", camera.fx},
+          {"fy", camera.fy},
+          {"cx", camera.cx},
+          {"cy", camera.cy},
+          {"distortion", camera.distortion},
+          {"refined", result.camera_was_refined},
+          {"best_focal_over_given", check.best_focal_factor},
+          {"focal_relative_sigma", check.relative_sigma},
+          {"focal_is_determined", check.is_determined},
+          {"focal_is_contradicted", check.is_contradicted}};
+}
+
+Json georeference_json(const Reconstructed& result, const ReconstructOptions& options) {
+  if (!result.georeference.found) return {{"found", false}, {"why_not", result.georeference.why_not}};
+  const Georeference& found = *result.georeference.found;
+  const char* use = options.position_use == PositionUse::Witness ? "witness"
+                    : options.position_use == PositionUse::Align ? "align"
+                                                                 : "prior";
+  Json json = {{"found", true},        {"use", use},           {"positions", found.num_positions}, {"inliers", found.num_inliers},
+               {"scale", found.scale}, {"rms_m", found.rms_m}, {"median_m", found.median_m}};
+  if (const auto& origin = result.reconstruction.origin) {
+    json["origin"] = {
+        {"latitude_deg", origin->latitude_deg}, {"longitude_deg", origin->longitude_deg}, {"altitude_m", origin->altitude_m}};
+  }
+  return json;
+}
+
+Json error_json(const Sequence& sequence, const Reconstruction& map) {
+  Trajectory reference;
+  for (const Frame& frame : sequence.frames) {
+    if (frame.world_from_camera) reference.push_back({frame.time_ns, *frame.world_from_camera});
+  }
+  TrajectoryErrorOptions options;
+  options.alignment = map.unit == LengthUnit::Metres ? Alignment::Se3 : Alignment::Sim3;
+  const auto error = absolute_trajectory_error(trajectory_of(map), reference, options);
+  Json json = {{"alignment", options.alignment == Alignment::Sim3 ? "Sim(3), frames matched by time within 0.01 s"
+                                                                  : "SE(3), frames matched by time within 0.01 s"},
+               {"odometry", nullptr},
+               {"online", nullptr},
+               {"final", nullptr}};
+  if (error) {
+    const ErrorStatistics& statistics = error->translation_m;
+    json["final"] = {{"rmse_m", statistics.rmse},
+                     {"mean_m", statistics.mean},
+                     {"median_m", statistics.median},
+                     {"max_m", statistics.max},
+                     {"poses", statistics.count}};
+  }
+  return json;
+}
+
+}  // namespace
+
+void write_reconstruction_summary(const std::filesystem::path& path, const Sequence& sequence, const Reconstructed& result,
+                                  const ReconstructOptions& options) {
+  const Reconstruction& map = result.reconstruction;
+  Json summary;
+  summary["sequence"] = sequence.name;
+  summary["method"] = "structure from motion";
+  summary["seed"] = options.seed;
+  summary["unit"] = map.unit == LengthUnit::Metres ? "metres" : "arbitrary";
+  summary["frames"] = {{"images", sequence.frames.size()},
+                       {"mapped", map.images.size()},
+                       {"left_out", left_out_json(result)},
+                       {"other_parts", result.other_parts}};
+  summary["pairs"] = {{"candidates", result.num_candidate_pairs}, {"proven", result.pairs.size()}};
+  summary["loops"] = loops_json(result);
+  summary["points"] = map.points.size();
+  summary["sightings"] = result.num_sightings;
+  summary["mean_reprojection_error_px"] = result.mean_error_px;
+  summary["camera"] = camera_json(result);
+  summary["georeference"] = georeference_json(result, options);
+  summary["ate"] = error_json(sequence, map);
+  summary["versions"] = {{"fabloop", FABLOOP_VERSION}};
+  for (const StageTime& time : result.times) summary["timings"][time.stage] = Json::parse(to_json(stage_times({time.seconds})));
+  OutputFile file(path);
+  file.stream() << summary.dump(2) << '\n';
+  file.commit();
+}
+
+}  // namespace fabloop

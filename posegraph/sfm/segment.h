@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "frontend/geometry/pose.h"
+#include "posegraph/sfm/tracks.h"
+#include "verification/view.h"
+
+namespace fabloop {
+
+/// What structure from motion starts from. Views and tracks must outlive it and stay as they are.
+struct Scene {
+  const std::vector<View>& views;
+  const TrackSet& tracks;
+};
+
+/// A point of a segment.
+struct SegmentPoint {
+  Eigen::Vector3d x_in_world = Eigen::Vector3d::Zero();
+  std::vector<std::uint32_t> seen_by;  ///< Positions in its track of the placed views that agree, ascending; at least two.
+};
+
+/// Views that have their places in one world of arbitrary unit, with the points they see.
+struct Segment {
+  std::vector<std::optional<Pose>> world_from_cameras;  ///< One a view of the scene.
+  std::vector<std::optional<SegmentPoint>> points;      ///< One a track of the scene.
+};
+
+/// A segment without views.
+Segment empty_segment(const Scene& scene);
+
+std::size_t num_placed(const Segment& segment);
+std::size_t num_points(const Segment& segment);
+
+/// Where the feature of a view was detected.
+Eigen::Vector2d pixel_of(const Scene& scene, const TrackFeature& member);
+
+struct ReprojectionStatistics {
+  double mean_px = 0;
+  std::size_t num_sightings = 0;
+};
+
+/// Over all sightings of a segment's points.
+ReprojectionStatistics reprojection_statistics(const Scene& scene, const Segment& segment);
+
+}  // namespace fabloop

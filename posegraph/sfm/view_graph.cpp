@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "posegraph/sfm/view_graph.h"
+
+#include <algorithm>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "frontend/parallel.h"
+#include "verification/evidence.h"
+#include "verification/match_consistency.h"
+#include "verification/planar_ambiguity.h"
+#include "verification/ray_pairs.h"
+#include "verification/relative_pose.h"
+#include "verification/similar_group.h"
+#include "verification/verifier.h"
+
+namespace fabloop {
+namespace {
+
+Features first_features(const Features& features, std::size_t count) {
+  Features first = features;
+  const std::size_t kept = std::min(count, features.keypoints.size());
+  first.keypoints.resize(kept);
+  first.descriptors = features.descriptors.rowRange(0, static_cast<int>(kept));
+  return first;
+}
+
+bool is_worth_a_closer_look(const Features& query, const Features& match, const ViewGraphOptions& options) {
+  if (options.num_first_features == 0) return true;
+  const Features first_query = first_features(query, options.num_first_features);
+  const Features first_match = first_features(match, options.num_first_features);
+  const std::vector<Match> matches = match_features(first_query, first_match, options.matching);
+  return largest_similar_group(first_query, first_match, matches) >= options.min_first_group;
+}
+
+/// Whether accidental matches could give as many inliers.
+bool is_proven(const View& query, const View& match, const std::vector<Match>& matches, const std::vector<Match>& inliers,
+               const ViewGraphOptions& options) {
+  constexpr double kFivePointModels = 10;
+  const double p_accident = p_accidental_epipolar_match(match.camera.width, match.camera.height, options.max_error_px);
+  const ViewChange change = view_change(query.features, match.features, matches);
+  const auto consistent = [&](const std::vector<Match>& of) {
+    return static_cast<std::size_t>(std::count_if(
+        of.begin(), of.end(), [&](const Match& m) { return agrees_with(change, query.features, match.features, m); }));
+  };
+  const double of_all = log10_false_alarms(matches.size(), inliers.size(), 5, p_accident, kFivePointModels);
+  const double of_consistent = log10_false_alarms(consistent(matches), consistent(inliers), 5, p_accident, kFivePointModels);
+  return std::min(of_all, of_consistent) <= options.max_log10_false_alarms;
+}
+
+std::optional<ViewPair> verify(const std::vector<View>& views, const CandidatePair& candidate, const ViewGraphOptions& options) {
+  const View& query = views[candidate.query];
+  const View& match = views[candidate.match];
+  if (!is_worth_a_closer_look(query.features, match.features, options)) return std::nullopt;
+  const std::vector<Match> all = match_features(query.features, match.features, options.matching);
+  if (all.size() < options.min_inliers) return std::nullopt;
+  const std::vector<Match> matches = consistent_first(query.features, match.features, all);
+  const std::vector<RayPair> pairs = ray_pairs(query, match, matches);
+  RelativePoseOptions pose_options;
+  pose_options.max_error_rad = options.max_error_px / match.camera.focal_px();
+  pose_options.max_iterations = options.max_iterations;
+  pose_options.min_inliers = options.min_inliers;
+  pose_options.seed = pair_seed(options.seed, query.frame, match.frame);
+  const auto relative = estimate_relative_pose(pairs, pose_options);
+  if (!relative || relative->inliers.size() < options.min_inliers) return std::nullopt;
+  ViewPair pair{candidate.query, candidate.match, matches.size(), {}, relative->match_from_query};
+  for (const std::size_t i : relative->inliers) pair.inliers.push_back(matches[i]);
+  if (!is_proven(query, match, matches, pair.inliers, options)) return std::nullopt;
+  pair.median_parallax_deg = deg_from_rad(median_parallax(pairs, relative->inliers, relative->match_from_query));
+  pair.rotation_share = fit_rotation(pairs, relative->inliers, pose_options.max_error_rad).share;
+  const PlanarScene plane = planar_scene(pairs, *relative, pose_options);
+  pair.planar_ratio = plane.planar_ratio;
+  pair.has_rival = !plane.rivals.empty();
+  return pair;
+}
+
+}  // namespace
+
+std::vector<ViewPair> verify_pairs(const std::vector<View>& views, const std::vector<CandidatePair>& candidates,
+                                   const ViewGraphOptions& options) {
+  std::vector<std::optional<ViewPair>> verified(candidates.size());
+  std::mutex progress_mutex;
+  std::size_t num_done = 0;
+  parallel_for(candidates.size(), options.num_threads, [&](std::size_t i) {
+    verified[i] = verify(views, candidates[i], options);
+    const std::lock_guard lock(progress_mutex);
+    ++num_done;
+    if (options.progress) options.progress("pairs", num_done, candidates.size());
+  });
+  std::vector<ViewPair> pairs;
+  for (auto& pair : verified) {
+    if (pair) pairs.push_back(std::move(*pair));
+  }
+  return pairs;
+}
+
+}  // namespace fabloop
