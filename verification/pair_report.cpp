@@ -109,6 +109,12 @@ std::vector<PairFigure> pair_figures(const View& query, const View& match, const
   return list.take();
 }
 
+std::vector<PairFigure> gate_figures(const Verification& found, const VerifierOptions& options) {
+  FigureList list;
+  add_gates(found, options, list);
+  return list.take();
+}
+
 std::string_view meaning_of(Verdict verdict) {
   switch (verdict) {
     case Verdict::Accepted:

@@ -33,6 +33,9 @@ struct PairFigure {
 std::vector<PairFigure> pair_figures(const View& query, const View& match, const Verification& found,
                                      const VerifierOptions& options);
 
+/// Those of them that need no images: what a ledger's line tells.
+std::vector<PairFigure> gate_figures(const Verification& found, const VerifierOptions& options);
+
 /// What a verdict means, in a sentence for a person.
 std::string_view meaning_of(Verdict verdict);
 
