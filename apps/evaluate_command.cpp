@@ -202,7 +202,7 @@ void run_evaluate(const EvaluateArguments& arguments) {
     if (!arguments.table) {
       const LedgerTable ledger = read_ledger(run / "loops.csv");
       stages = evaluate_stages(judge_run(ledger, truth.places, truth.loops, arguments.loops), arguments.stages);
-      result["stages"] = to_json(*stages);
+      result["stages"] = stages_json(*stages);
       result["without_stages"] = judge_without_stages(arguments, truth, ledger);
     }
   }

@@ -104,7 +104,7 @@ ordered_json errors(const fs::path& run, const Trajectory& reference) {
 
 ordered_json truth_data(const ReportInput& input, const RunTruth& truth, const LedgerTable& ledger) {
   const JudgedRun judged = judge_run(ledger, truth.places, truth.loops, input.loops);
-  ordered_json data = {{"evaluation", to_json(evaluate_stages(judged, input.stages))},
+  ordered_json data = {{"evaluation", stages_json(evaluate_stages(judged, input.stages))},
                        {"rows", judgements(ledger, judged, truth.loops, input.loops)},
                        {"errors", errors(input.truth.run, truth.reference)}};
   const fs::path graph = input.truth.run / "graph.g2o";
@@ -138,7 +138,7 @@ ordered_json verdicts() {
   ordered_json meanings = ordered_json::object();
   for (int i = 0; i <= static_cast<int>(Verdict::ContradictsMap); ++i) {
     const auto verdict = static_cast<Verdict>(i);
-    meanings[std::string(to_string(verdict))] = meaning_of(verdict);
+    meanings[std::string(to_string(verdict))] = {{"meaning", meaning_of(verdict)}, {"gate", gate_of(verdict)}};
   }
   return meanings;
 }

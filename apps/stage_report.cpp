@@ -141,7 +141,7 @@ void write_calibration_csv(const std::filesystem::path& path, const StageEvaluat
 
 }  // namespace
 
-ordered_json to_json(const StageEvaluation& evaluation) {
+ordered_json stages_json(const StageEvaluation& evaluation) {
   ordered_json stages = ordered_json::array();
   for (const StageResult& stage : evaluation.stages) stages.push_back(stage_json(stage));
   return {{"queries", evaluation.num_queries},

@@ -11,7 +11,7 @@
 namespace fabloop::apps {
 
 /// All figures, curves and diagrams.
-nlohmann::ordered_json to_json(const StageEvaluation& evaluation);
+nlohmann::ordered_json stages_json(const StageEvaluation& evaluation);
 
 /// A table with a line a stage, and the recipe.
 void print_stages(std::ostream& out, const StageEvaluation& evaluation);

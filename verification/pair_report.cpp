@@ -149,6 +149,29 @@ std::string_view meaning_of(Verdict verdict) {
   return "";
 }
 
+std::string_view gate_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::TooFewMatches:
+      return "matches";
+    case Verdict::TooFewInliers:
+      return "inliers";
+    case Verdict::AccidentalInliers:
+      return "log10_false_alarms";
+    case Verdict::RepeatedTexture:
+      return "second_support";
+    case Verdict::InliersInCorner:
+      return "inlier_area";
+    case Verdict::NoParallax:
+      return "rotation_share";
+    case Verdict::AmbiguousPose:
+      return "planar_lead";
+    case Verdict::Improbable:
+      return "p_true";
+    default:
+      return "";
+  }
+}
+
 std::string wanted_text(const PairFigure& figure) {
   if (figure.wanted == Wanted::Anything) return "";
   return (figure.wanted == Wanted::AtLeast ? "at least " : "at most ") + number_text(figure.threshold);
