@@ -121,7 +121,7 @@ void print_gates(const std::vector<PairFigure>& gates) {
 void print_hypotheses(const LedgerTable& ledger, const Explanation& explanation) {
   std::cout << "\nall hypotheses of image " << explanation.query << "\n  match  appearance   matches   inliers    p_true  verdict\n";
   for (const LedgerRow* row : explanation.of_query) {
-    const auto text = [&](const char* column) { return value_text({.value = ledger.figure(*row, column)}); };
+    const auto text = [&](const char* column) { return value_text({"", "", ledger.figure(*row, column)}); };
     std::cout << (row->loop.match == explanation.match ? "* " : "  ") << std::right << std::setw(5) << row->loop.match
               << std::setw(12) << text("probability") << std::setw(10) << text("matches") << std::setw(10) << text("inliers")
               << std::setw(10) << text("p_true") << "  " << row->loop.verdict << '\n';

@@ -17,7 +17,7 @@ std::optional<Verdict> verdict_named(const std::string& name) {
   return std::nullopt;
 }
 
-std::string number(double value) { return value_text({.value = value}); }
+std::string number(double value) { return value_text({"", "", value}); }
 
 /// Why a pair is not in the ledger.
 std::string why_not_verified(const LedgerTable& ledger, const Explanation& explanation, const ExplainOptions& options) {

@@ -1,8 +1,12 @@
+# SPDX-License-Identifier: BSD-3-Clause
+cmake_minimum_required(VERSION 3.25)
+
 # Puts the page's sources into one page, and that into a C++ string, so that the program needs no file beside it.
 # Arguments: SOURCE (this folder), LIBRARIES (scripts that go first, may be empty), OUT (the C++ file).
 file(READ ${SOURCE}/report.html page)
 file(READ ${SOURCE}/report.css css)
 set(libraries "")
+string(REPLACE "|" ";" LIBRARIES "${LIBRARIES}")
 foreach(library IN LISTS LIBRARIES)
   file(READ ${library} text)
   string(APPEND libraries "${text}\n")
