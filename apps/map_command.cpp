@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <iomanip>
@@ -10,6 +11,7 @@
 #include "apps/command.h"
 #include "apps/feature_arguments.h"
 #include "apps/progress_bar.h"
+#include "apps/report_page.h"
 #include "apps/run_report.h"
 #include "frontend/error.h"
 #include "frontend/fabmap/model.h"
@@ -28,6 +30,7 @@ struct MapArguments {
   double max_time_difference_s = 0.01;
   bool strict = false;
   bool overwrite = false;
+  bool no_report = false;
   MapSequenceOptions options;
 };
 
@@ -54,6 +57,22 @@ void require_usable_maps(const MapArguments& arguments) {
   if (arguments.earlier_map.empty() || !fs::equivalent(arguments.save_map, arguments.earlier_map)) {
     throw InputError(arguments.save_map + ": exists already; give it as --earlier-map too to go on with it, or remove it");
   }
+}
+
+/// The page about the run, judged where the sequence has a truth.
+void write_report_of(const MapArguments& arguments, const Sequence& sequence, const CommonOptions& common) {
+  namespace fs = std::filesystem;
+  const auto has_reference = [](const Frame& frame) { return frame.world_from_camera.has_value(); };
+  ReportInput input;
+  input.truth.run = arguments.out;
+  if (std::any_of(sequence.frames.begin(), sequence.frames.end(), has_reference)) {
+    input.truth.truth = arguments.reference.empty() ? fs::path(arguments.sequence) : fs::path(arguments.reference);
+    input.truth.frames = input.truth.run / "frames.csv";
+    input.truth.places.max_time_difference_s = arguments.max_time_difference_s;
+  }
+  input.images = sequence.frames.front().image_path.parent_path();
+  input.num_threads = common.num_threads;
+  write_report(input.truth.run / "report.html", input);
 }
 
 void run_map(MapArguments& arguments, const CommonOptions& common) {
@@ -87,6 +106,7 @@ void run_map(MapArguments& arguments, const CommonOptions& common) {
   }
   const SequenceMap result = map_sequence(sequence, model, options);
   write_run_folder(arguments.out, sequence, result, options, if_exists);
+  if (!arguments.no_report) write_report_of(arguments, sequence, common);
   print_run_report(std::cout, sequence, result, arguments.out);
 }
 
@@ -104,6 +124,7 @@ void add_input_options(CLI::App* command, MapArguments& arguments) {
       ->capture_default_str();
   command->add_flag("--strict", arguments.strict, "stop at an image that cannot be read instead of skipping it");
   command->add_flag("--overwrite", arguments.overwrite, "replace the folder if it exists");
+  command->add_flag("--no-report", arguments.no_report, "do not write report.html");
 }
 
 void add_method_options(CLI::App* command, MapArguments& arguments) {

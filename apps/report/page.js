@@ -141,7 +141,7 @@ function setUpRecognition() {
     step(distance);
   });
   byId('matrix-colour').addEventListener('change', drawMatrix);
-  byId('matrix-note').textContent = `Queries downwards, places across: the most probable places of each query (${numRows} pairs). Darker is more probable; the arrow keys walk through the table's rows.`;
+  byId('matrix-note').textContent = `Queries downwards, places across: the most probable places of each query (${numRows} pairs). The stronger, the more probable; the arrow keys walk through the table's rows.`;
   choice.listeners.push(drawMatrix);
   new ResizeObserver(drawMatrix).observe(canvas);
   const pNew = new Array(numFrames).fill(null), inliers = new Array(numFrames).fill(null);

@@ -69,7 +69,9 @@ function plotReliability(stages) {
   for (const stage of stages) {
     if (!stage.calibration || (stage.stage !== 'appearance' && stage.stage !== 'geometry')) continue;
     const bins = stage.calibration.bins.filter((bin) => bin.count > 0);
-    polyline(plot, bins.map((bin) => [bin.mean_score, bin.share_true]), stageColour(stage));
+    // A handful in a bin says nothing: such bins keep their disc, but do not bend the line.
+    const many = bins.filter((bin) => bin.count >= 5);
+    polyline(plot, many.map((bin) => [bin.mean_score, bin.share_true]), stageColour(stage));
     const most = Math.max(...bins.map((bin) => bin.count));
     for (const bin of bins) {
       plot.svg.append(element('circle', {cx: plot.px(bin.mean_score), cy: plot.py(bin.share_true), r: 2.5 + 7 * Math.sqrt(bin.count / most),

@@ -6,6 +6,7 @@ usage: report_in_browser.py REPORT.html [--screenshots FOLDER]
 Exit code 77 (skipped) where Chromium, its driver or Selenium is missing (Debian: chromium-driver, python3-selenium).
 """
 import argparse
+import base64
 import pathlib
 import shutil
 import sys
@@ -128,7 +129,11 @@ def check_accessibility(browser):
           const contrast = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
           if (contrast < 4.5) problems.push(`contrast ${contrast.toFixed(2)}: ${element.tagName} ${element.textContent.slice(0, 30)}`);
         }
-        if (document.documentElement.scrollWidth > document.documentElement.clientWidth + 1) problems.push('scrolls sideways');
+        const width = document.documentElement.clientWidth;
+        if (document.documentElement.scrollWidth > width + 1) {
+          const wide = [...document.querySelectorAll('main *, header *')].filter((element) => element.getBoundingClientRect().right > width + 1 && !element.closest('#scroller, .wide, #pair-ledger'));
+          problems.push('scrolls sideways: ' + wide.slice(0, 4).map((element) => element.tagName + '#' + element.id + '.' + element.className).join(', '));
+        }
         return [...new Set(problems)];""")
     expect(not problems, "accessibility: " + "; ".join(problems[:12]))
 
@@ -156,16 +161,15 @@ def main():
         for theme in ("light", "dark"):
             browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": theme}]})
             time.sleep(0.3)
-            check_accessibility(browser)
             if arguments.screenshots:
                 arguments.screenshots.mkdir(parents=True, exist_ok=True)
                 size = browser.execute_cdp_cmd("Page.getLayoutMetrics", {})["cssContentSize"]
-                import base64
                 shot = browser.execute_cdp_cmd("Page.captureScreenshot", {"captureBeyondViewport": True, "clip": {"x": 0, "y": 0, "width": size["width"], "height": size["height"], "scale": 1}})
                 (arguments.screenshots / f"{name}-{theme}.png").write_bytes(base64.b64decode(shot["data"]))
                 if name == "desktop" and theme == "light":
                     pdf = browser.execute_cdp_cmd("Page.printToPDF", {"printBackground": True})
                     (arguments.screenshots / "print.pdf").write_bytes(base64.b64decode(pdf["data"]))
+            check_accessibility(browser)
         use_controls(browser)
         errors = errors_of(browser)
         browser.quit()
