@@ -59,7 +59,7 @@ TEST(StageEvaluation, CountsWhatEachStageLetsThrough) {
   scene.add(20, 2, 0.9, "AccidentalInliers", 0.1);
   scene.add(21, 2, 0.9, "ContradictsMap", 0.8);
   scene.add(22, 2, 0.9, "Accepted", 0.7);
-  scene.add(23, 20, 0.9, "Accepted", 0.7);  // too near to be judged
+  scene.add(23, 20, 0.9, "Accepted", 0.7, 30.0);  // too near to be judged, and its pose is right
   const StageEvaluation found = scene.evaluate();
   ASSERT_EQ(found.stages.size(), 4U) << "consistency was off";
   EXPECT_EQ(found.num_queries_with_true_match, 15U);
