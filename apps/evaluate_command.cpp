@@ -235,15 +235,15 @@ void add_truth_options(CLI::App* command, EvaluateArguments& arguments) {
   command->add_option("--height", arguments.loops.height_above_ground_m, "height above ground, metres; sets what a wrong loop is")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command->add_option("--radius", arguments.truth.places.poses.radius_m, "without pairs.csv: camera centres nearer show one place")
+  command
+      ->add_option("--radius", arguments.truth.places.poses.radius_m, "without pairs.csv: camera centres nearer show one place")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command
       ->add_option("--max-angle", arguments.max_angle_deg,
                    "without pairs.csv: and optical axes within this angle, degrees (default: any)")
       ->check(CLI::Range(0.0, 180.0));
-  command
-      ->add_option("--window", arguments.truth.places.exclusion_window, "frames no further apart are neither right nor wrong")
+  command->add_option("--window", arguments.truth.places.exclusion_window, "frames no further apart are neither right nor wrong")
       ->capture_default_str();
   command
       ->add_option("--max-time-difference", arguments.truth.places.max_time_difference_s,
@@ -262,12 +262,10 @@ void add_output_options(CLI::App* command, EvaluateArguments& arguments) {
   command->add_option("--resamples", arguments.stages.bootstrap.num_resamples, "of the bootstrap; 0: no confidence intervals")
       ->capture_default_str();
   command->add_option("--seed", arguments.stages.bootstrap.seed, "another number: other resamples")->capture_default_str();
-  command->add_option("--tables", arguments.tables,
-                      "folder to write stages.csv, precision_recall.csv and calibration.csv to");
+  command->add_option("--tables", arguments.tables, "folder to write stages.csv, precision_recall.csv and calibration.csv to");
   command->add_flag("--overwrite", arguments.overwrite, "replace that folder if it exists");
   command->add_flag("--json", arguments.json, "print one JSON object");
-  command->add_flag("--table", arguments.table,
-                    "print a table row with the run's counts, errors and seconds a frame (Markdown)");
+  command->add_flag("--table", arguments.table, "print a table row with the run's counts, errors and seconds a frame (Markdown)");
 }
 
 }  // namespace

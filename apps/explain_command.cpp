@@ -84,8 +84,9 @@ std::vector<Match> inliers_of_run(const ExplainArguments& arguments, const View&
   for (const PixelPair& pair : found->second) {
     const auto q = of_query.find({pair.query.x, pair.query.y}), m = of_match.find({pair.match.x, pair.match.y});
     if (q == of_query.end() || m == of_match.end()) {
-      throw InputError(arguments.sequence.string() + ": its images do not have the features that the run saw; is it the sequence of " +
-                       arguments.run.string() + "?");
+      throw InputError(arguments.sequence.string() +
+                       ": its images do not have the features that the run saw; is it the sequence of " + arguments.run.string() +
+                       "?");
     }
     matches.push_back({q->second, m->second});
   }
@@ -119,7 +120,8 @@ void print_gates(const std::vector<PairFigure>& gates) {
 }
 
 void print_hypotheses(const LedgerTable& ledger, const Explanation& explanation) {
-  std::cout << "\nall hypotheses of image " << explanation.query << "\n  match  appearance   matches   inliers    p_true  verdict\n";
+  std::cout << "\nall hypotheses of image " << explanation.query
+            << "\n  match  appearance   matches   inliers    p_true  verdict\n";
   for (const LedgerRow* row : explanation.of_query) {
     const auto text = [&](const char* column) { return value_text({"", "", ledger.figure(*row, column)}); };
     std::cout << (row->loop.match == explanation.match ? "* " : "  ") << std::right << std::setw(5) << row->loop.match

@@ -23,7 +23,8 @@ using nlohmann::ordered_json;
 Eigen::Vector3d moved(const Similarity& to, const Eigen::Vector3d& x) { return to.scale * (to.rotation * x) + to.translation; }
 
 /// Frame and position, millimetres: [frame, x, y, z, frame, x, ...].
-ordered_json track(const Trajectory& trajectory, const Similarity& to, const std::unordered_map<std::int64_t, std::size_t>& frames) {
+ordered_json track(const Trajectory& trajectory, const Similarity& to,
+                   const std::unordered_map<std::int64_t, std::size_t>& frames) {
   ordered_json numbers = ordered_json::array();
   for (const StampedPose& pose : trajectory) {
     const auto frame = frames.find(pose.time_ns);

@@ -42,8 +42,7 @@ RunTruth read_run_truth(const TruthArguments& arguments) {
   RunTruth truth;
   if (const auto path = reference_path(arguments)) truth.reference = read_tum(*path);
   truth.frame_times_ns = frame_times(arguments);
-  truth.loops.world_from_camera =
-      reference_poses(truth.frame_times_ns, truth.reference, arguments.places.max_time_difference_s);
+  truth.loops.world_from_camera = reference_poses(truth.frame_times_ns, truth.reference, arguments.places.max_time_difference_s);
   const fs::path pairs = truth_folder(arguments.truth) / "pairs.csv";
   if (!truth_folder(arguments.truth).empty() && fs::exists(pairs)) truth.loops.pairs = read_pairs(pairs);
   std::vector<ObservedImage> images(truth.frame_times_ns.size());

@@ -92,7 +92,8 @@ void put(std::ostream& out, const std::optional<double>& value) {
 void write_stages_csv(const std::filesystem::path& path, const StageEvaluation& evaluation) {
   OutputFile file(path);
   file.stream() << "# " << evaluation.recipe << "\nstage,score,true_before,false_before,true,false,unjudged";
-  for (const NamedFigure& named : kFigures) file.stream() << ',' << named.name << ',' << named.name << "_low," << named.name << "_high";
+  for (const NamedFigure& named : kFigures)
+    file.stream() << ',' << named.name << ',' << named.name << "_low," << named.name << "_high";
   for (const RecallAt& at : evaluation.stages.front().recall_at) file.stream() << ",recall_at_" << at.k;
   file.stream() << '\n';
   for (const StageResult& stage : evaluation.stages) {

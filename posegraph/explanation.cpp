@@ -131,7 +131,8 @@ Explanation explain(const LedgerTable& ledger, std::size_t query, std::size_t ma
   explanation.found = verification_of(ledger, *found);
   explanation.verdict = explanation.found.verdict;
   explanation.gates = gate_figures(explanation.found, options.verifier);
-  for (const std::string& sentence : {appearance_words(ledger, *found), back_end_words(ledger, *found), change_words(explanation)}) {
+  for (const std::string& sentence :
+       {appearance_words(ledger, *found), back_end_words(ledger, *found), change_words(explanation)}) {
     if (!sentence.empty()) explanation.words.push_back(sentence);
   }
   return explanation;

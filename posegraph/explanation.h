@@ -15,10 +15,10 @@ namespace fabloop {
 /// Why a pair of frames did or did not become a loop.
 struct Explanation {
   std::size_t query = 0, match = 0;
-  std::optional<Verdict> verdict;  ///< None: the pair was never verified.
-  Verification found;              ///< As the ledger has it, without inliers and information.
-  std::vector<PairFigure> gates;   ///< As far as they were asked.
-  std::vector<std::string> words;  ///< Sentences: appearance, verdict, back end, and what would have to change.
+  std::optional<Verdict> verdict;          ///< None: the pair was never verified.
+  Verification found;                      ///< As the ledger has it, without inliers and information.
+  std::vector<PairFigure> gates;           ///< As far as they were asked.
+  std::vector<std::string> words;          ///< Sentences: appearance, verdict, back end, and what would have to change.
   std::vector<const LedgerRow*> of_query;  ///< All hypotheses of the query, of the ledger that was given.
 };
 

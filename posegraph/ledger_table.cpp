@@ -73,7 +73,8 @@ LedgerTable read_ledger(const std::filesystem::path& path) {
     LedgerRow row = read_row(table, fields, fail);
     if (table.figure(row, "session") == table.figure(row, "match_session")) table.rows.push_back(std::move(row));
   });
-  if (table.columns.empty()) throw InputError(path.string() + ": has no head line; write query,match,probability,verdict,... first");
+  if (table.columns.empty())
+    throw InputError(path.string() + ": has no head line; write query,match,probability,verdict,... first");
   return table;
 }
 

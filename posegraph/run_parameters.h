@@ -10,8 +10,8 @@
 
 namespace fabloop {
 
-/// What a run was told, as it stands in `summary.json` under "parameters": the features, how many places were verified, the limits
-/// of all gates, confirmation by consecutive images, and the back end.
+/// What a run was told, as it stands in `summary.json` under "parameters": the features, how many places were verified, the
+/// limits of all gates, confirmation by consecutive images, and the back end.
 std::string run_parameters_json(const MapSequenceOptions& options, const FeatureOptions& features);
 
 /// The gates' limits of such an object; what it does not name has its default (older runs). Throws InputError when it is none.

@@ -76,14 +76,14 @@ struct EstimatedFigure {
 /// What a stage let through, and how well its score sorts and tells the truth.
 struct StageResult {
   Stage stage = Stage::Appearance;
-  std::string_view score;                                  ///< What is thresholded: a column of `loops.csv`.
-  std::size_t num_true_before = 0, num_false_before = 0;   ///< What came in. Appearance: all pairs of the sequence.
+  std::string_view score;                                     ///< What is thresholded: a column of `loops.csv`.
+  std::size_t num_true_before = 0, num_false_before = 0;      ///< What came in. Appearance: all pairs of the sequence.
   std::size_t num_true = 0, num_false = 0, num_unjudged = 0;  ///< What passed.
-  EstimatedFigure precision;                               ///< True ones among those that passed.
-  EstimatedFigure query_recall;      ///< Queries from which a true one passed, among those that have one.
-  EstimatedFigure false_rejection;   ///< Refused among the false ones that came in.
-  EstimatedFigure average_precision;         ///< Of the curve.
-  EstimatedFigure recall_at_full_precision;  ///< Of the curve.
+  EstimatedFigure precision;                                  ///< True ones among those that passed.
+  EstimatedFigure query_recall;               ///< Queries from which a true one passed, among those that have one.
+  EstimatedFigure false_rejection;            ///< Refused among the false ones that came in.
+  EstimatedFigure average_precision;          ///< Of the curve.
+  EstimatedFigure recall_at_full_precision;   ///< Of the curve.
   std::optional<PrecisionRecallCurve> curve;  ///< Of each query's best (top-1); none where no query has a true match.
   std::vector<RecallAt> recall_at;
   std::optional<Calibration> calibration;  ///< Where the score claims to be a probability.

@@ -171,9 +171,10 @@ StageResult result_of(const StageRules& rules, const std::vector<QueryTally>& ta
 std::string recipe_of(const StageEvaluation& evaluation, const JudgedRun& run, const StageOptions& options) {
   std::ostringstream text;
   text << run.recipe << "; pairs that are not judged are passed over; only earlier frames are matches; curves score each query's "
-       << "best (top-1), recall is over the " << evaluation.num_queries_with_true_match
-       << " queries that have a true match, of " << evaluation.num_queries
-       << "; a stage's false rejection is over the false pairs that came to it (appearance: over all false pairs of the sequence); "
+       << "best (top-1), recall is over the " << evaluation.num_queries_with_true_match << " queries that have a true match, of "
+       << evaluation.num_queries
+       << "; a stage's false rejection is over the false pairs that came to it (appearance: over all false pairs of the "
+          "sequence); "
        << "calibration in " << options.num_bins << " bins, of appearance over all hypotheses, of geometry over all with a pose, "
        << "later over what passed";
   if (options.bootstrap.num_resamples > 0) {

@@ -17,7 +17,8 @@ using PositionOfFrame = std::unordered_map<std::size_t, std::size_t>;
 /// A proven loop that is not in the graph; its information is that of independent, equal errors of the stated size.
 std::optional<Edge> edge_of(const LedgerTable& ledger, const LedgerRow& row, const PositionOfFrame& positions) {
   const auto from = positions.find(row.loop.match), to = positions.find(row.loop.query);
-  const auto rotation_sigma_deg = ledger.figure(row, "rotation_sigma_deg"), translation_sigma = ledger.figure(row, "translation_sigma"),
+  const auto rotation_sigma_deg = ledger.figure(row, "rotation_sigma_deg"),
+             translation_sigma = ledger.figure(row, "translation_sigma"),
              baseline_to_depth = ledger.figure(row, "baseline_to_depth");
   if (from == positions.end() || to == positions.end() || !row.loop.match_from_query) return std::nullopt;
   if (!(rotation_sigma_deg > 0.0) || !(translation_sigma > 0.0) || !(baseline_to_depth > 0.0)) return std::nullopt;

@@ -27,6 +27,8 @@ function verdictWords() {
   return words;
 }
 
+const percent = (share) => `${shown(100 * share, 3)} %`;
+
 function card(name, value, note) {
   return element('div', {}, element('dt', {text: name}), element('dd', {}, value, element('small', {text: note})));
 }
@@ -39,7 +41,7 @@ function cards() {
   if (report.truth) {
     const last = report.truth.evaluation.stages[report.truth.evaluation.stages.length - 1];
     list.push(card('False loops', String(last.passed.false), `${last.passed.true} true, ${last.passed.unjudged} not judged`));
-    if (last.query_recall) list.push(card('Recall of queries', shown(last.query_recall.value, 3), last.query_recall.low === undefined ? '' : `${shown(last.query_recall.low, 2)} to ${shown(last.query_recall.high, 2)}`));
+    if (last.query_recall) list.push(card('Recall of queries', percent(last.query_recall.value), last.query_recall.low === undefined ? '' : `${percent(last.query_recall.low)} to ${percent(last.query_recall.high)}`));
   }
   list.push(card('Time an image', `${shown(1000 * total / Math.max(1, summary.frames.images), 3)} ms`, `${shown(total, 3)} s of work`));
   if (summary.peak_memory_mib) list.push(card('Memory', `${shown(summary.peak_memory_mib, 3)} MiB`, 'at most'));

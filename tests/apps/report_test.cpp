@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 
 #include <cstdlib>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 
 #include "tests/apps/map_run.h"
 #include "tests/posegraph/scratch_folder.h"
@@ -44,7 +44,8 @@ TEST(Report, HoldsTheRunAndNeedsNothingElse) {
   EXPECT_EQ(data.at("truth").at("rows").size(), num_rows);
   EXPECT_EQ(data.at("images").at("jpegs").size(), data.at("frames").size());
   EXPECT_GE(data.at("truth").at("evaluation").at("stages").size(), 4U);
-  for (const char* remote : {"src=\"http", "href=\"http", "url(http", "@import"}) EXPECT_EQ(page.find(remote), std::string::npos) << remote;
+  for (const char* remote : {"src=\"http", "href=\"http", "url(http", "@import"})
+    EXPECT_EQ(page.find(remote), std::string::npos) << remote;
   constexpr std::size_t kMaxBytes = 15U << 20U;
   EXPECT_LT(page.size(), kMaxBytes);
 }
@@ -59,13 +60,15 @@ TEST(Report, WithoutTruthAndImagesIsMadeFromTheRunAlone) {
   EXPECT_TRUE(data.at("images").is_null());
   EXPECT_GT(data.at("map").at("final").size(), 0U);
   expect_refused(run_fabloop({"report", flight.in_scratch("nothing").string()}), "nothing");
-  expect_refused(run_fabloop({"report", flight.run().string(), "--images", flight.run().string(), "--out", page.string()}), "run");
+  expect_refused(run_fabloop({"report", flight.run().string(), "--images", flight.run().string(), "--out", page.string()}),
+                 "run");
 }
 
 TEST(Explain, TellsThePairAndDrawsIt) {
   const MappedFlight flight;
   const auto ledger = data_of(bytes_of(flight.run() / "report.html")).at("ledger");
-  const std::string query = std::to_string(ledger.at("query").at(0).get<int>()), match = std::to_string(ledger.at("match").at(0).get<int>());
+  const std::string query = std::to_string(ledger.at("query").at(0).get<int>()),
+                    match = std::to_string(ledger.at("match").at(0).get<int>());
   const fs::path picture = flight.in_scratch("pair.png");
   const ProgramResult result = run_fabloop(
       {"explain", flight.run().string(), query, match, "--sequence", tiny_sequence().string(), "--picture", picture.string()});
@@ -78,11 +81,13 @@ TEST(Explain, TellsThePairAndDrawsIt) {
 
 TEST(Report, EveryControlWorksInABrowser) {
   const MappedFlight flight;
-  const std::string command = "/usr/bin/python3 " FABLOOP_SOURCE_DIR "/tests/apps/report_in_browser.py " + (flight.run() / "report.html").string();
+  const std::string command =
+      "/usr/bin/python3 " FABLOOP_SOURCE_DIR "/tests/apps/report_in_browser.py " + (flight.run() / "report.html").string();
   const int status = std::system(command.c_str());
   ASSERT_TRUE(WIFEXITED(status));
   constexpr int kSkipped = 77;
-  if (WEXITSTATUS(status) == kSkipped) GTEST_SKIP() << "Chromium, its driver or Selenium is not installed (Debian: chromium-driver, python3-selenium)";
+  if (WEXITSTATUS(status) == kSkipped)
+    GTEST_SKIP() << "Chromium, its driver or Selenium is not installed (Debian: chromium-driver, python3-selenium)";
   EXPECT_EQ(WEXITSTATUS(status), 0);
 }
 

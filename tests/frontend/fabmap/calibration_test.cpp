@@ -93,8 +93,8 @@ TEST(Bootstrap, CoversTheTruthAboutAsOftenAsItSays) {
   for (int trial = 0; trial < kTrials; ++trial) {
     std::vector<double> values(60);
     for (double& value : values) value = normal(random);
-    const auto intervals = bootstrap_intervals(
-        values.size(), [&](auto sample) { return mean_of(values, sample); }, {.num_resamples = 300, .confidence = 0.9});
+    const auto intervals = bootstrap_intervals(values.size(), [&](auto sample) { return mean_of(values, sample); },
+                                               {.num_resamples = 300, .confidence = 0.9});
     ASSERT_TRUE(intervals.at(0).has_value());
     num_covered += intervals[0]->low <= 5.0 && 5.0 <= intervals[0]->high;
   }
