@@ -87,7 +87,8 @@ JudgedRun judge_run(const LedgerTable& ledger, const GroundTruth& places, const 
     judged.query = query;
     judged.match = match;
     judged.num_stages_passed = num_stages_passed(row.loop.verdict);
-    judged.probability = ledger.figure(row, "probability").value_or(0.0);
+    // A normalised sum may exceed one by its rounding.
+    judged.probability = std::min(1.0, ledger.figure(row, "probability").value_or(0.0));
     judged.num_matches = ledger.figure(row, "matches").value_or(0.0);
     if (row.loop.match_from_query) judged.p_true = ledger.figure(row, "p_true");
     judged.place = places.at(query, match);
