@@ -13,8 +13,15 @@
 
 #include "apps/command.h"
 #include "apps/results_table.h"
+#include "apps/run_truth.h"
+#include "apps/stage_report.h"
 #include "frontend/error.h"
+#include "frontend/output_file.h"
+#include "posegraph/g2o_io.h"
+#include "posegraph/ledger_table.h"
 #include "posegraph/loop_evaluation.h"
+#include "posegraph/stage_evaluation.h"
+#include "posegraph/stage_trajectories.h"
 #include "posegraph/trajectory_error.h"
 
 namespace fabloop::apps {
@@ -26,42 +33,18 @@ using nlohmann::ordered_json;
 constexpr std::array<const char*, 3> kTrajectories = {"trajectory.tum", "trajectory_online.tum", "trajectory_odometry.tum"};
 
 struct EvaluateArguments {
-  fs::path run;
-  fs::path truth;
-  fs::path frames;
+  TruthArguments truth;
+  fs::path tables;
   bool json = false;
   bool table = false;
   bool sim3 = false;
   bool yaw = false;
+  bool overwrite = false;
+  double max_angle_deg = 0.0;
   double rpe_distance_m = 100.0;
-  double max_time_difference_s = 0.01;
   LoopEvaluationOptions loops;
+  StageOptions stages;
 };
-
-fs::path reference_path(const EvaluateArguments& arguments) {
-  return fs::is_directory(arguments.truth) ? arguments.truth / "reference.tum" : arguments.truth;
-}
-
-/// Times of the frames that loops.csv counts: as given, else as the run wrote them down.
-std::vector<std::int64_t> frame_times(const EvaluateArguments& arguments) {
-  if (!arguments.frames.empty()) return read_frame_times(arguments.frames);
-  const fs::path of_run = arguments.run / "frames.csv";
-  if (!fs::exists(of_run)) {
-    throw InputError(of_run.string() +
-                     ": is missing, so loops cannot be dated; give --frames FILE or a sequence folder as --truth");
-  }
-  return read_frame_times(of_run);
-}
-
-LoopTruth read_truth(const EvaluateArguments& arguments, const Trajectory& reference) {
-  const bool is_folder = fs::is_directory(arguments.truth);
-  if (is_folder && arguments.frames.empty()) return read_loop_truth(arguments.truth, arguments.max_time_difference_s);
-  const auto times_ns = frame_times(arguments);
-  LoopTruth truth;
-  truth.world_from_camera = reference_poses(times_ns, reference, arguments.max_time_difference_s);
-  if (is_folder && fs::exists(arguments.truth / "pairs.csv")) truth.pairs = read_pairs(arguments.truth / "pairs.csv");
-  return truth;
-}
 
 ordered_json to_json(const ErrorStatistics& errors) {
   return {{"rmse", errors.rmse}, {"mean", errors.mean}, {"median", errors.median}, {"max", errors.max}, {"count", errors.count}};
@@ -72,11 +55,16 @@ ordered_json to_json(const std::optional<RelativePoseError>& rpe) {
   return {{"translation_m", to_json(rpe->translation_m)}, {"rotation_deg", to_json(rpe->rotation_deg)}};
 }
 
-ordered_json judge_trajectory(const EvaluateArguments& arguments, const fs::path& path, const Trajectory& reference) {
-  const Trajectory estimate = read_tum(path);
+TrajectoryErrorOptions error_options(const EvaluateArguments& arguments) {
   TrajectoryErrorOptions options;
   options.alignment = arguments.sim3 ? Alignment::Sim3 : arguments.yaw ? Alignment::Yaw : Alignment::Se3;
-  options.max_time_difference_s = arguments.max_time_difference_s;
+  options.max_time_difference_s = arguments.truth.places.max_time_difference_s;
+  return options;
+}
+
+ordered_json judge_trajectory(const EvaluateArguments& arguments, const fs::path& path, const Trajectory& reference) {
+  const Trajectory estimate = read_tum(path);
+  TrajectoryErrorOptions options = error_options(arguments);
   const auto ate = absolute_trajectory_error(estimate, reference, options);
   ordered_json result;
   result["poses"] = estimate.size();
@@ -88,15 +76,15 @@ ordered_json judge_trajectory(const EvaluateArguments& arguments, const fs::path
   result["rpe_distance_m"] = arguments.rpe_distance_m;
   result["alignment"] = arguments.sim3 ? "Sim(3)" : arguments.yaw ? "yaw and translation" : "SE(3)";
   std::ostringstream evo;
-  evo << "evo_ape tum " << reference_path(arguments).string() << ' ' << path.string() << (arguments.sim3 ? " -as" : " -a");
-  if (arguments.max_time_difference_s != 0.01) evo << " --t_max_diff " << arguments.max_time_difference_s;
+  evo << "evo_ape tum " << reference_path(arguments.truth)->string() << ' ' << path.string() << (arguments.sim3 ? " -as" : " -a");
+  if (options.max_time_difference_s != 0.01) evo << " --t_max_diff " << options.max_time_difference_s;
   // evo has no alignment by yaw.
   if (!arguments.yaw) result["repeat_with"] = evo.str();
   return result;
 }
 
 ordered_json judge_loops(const EvaluateArguments& arguments, const LoopTruth& truth) {
-  const LoopEvaluation evaluation = evaluate_loops(read_loops(arguments.run / "loops.csv"), truth, arguments.loops);
+  const LoopEvaluation evaluation = evaluate_loops(read_loops(arguments.truth.run / "loops.csv"), truth, arguments.loops);
   ordered_json result;
   result["hypotheses"] = evaluation.num_hypotheses;
   result["accepted"] = evaluation.num_accepted;
@@ -119,6 +107,32 @@ ordered_json judge_loops(const EvaluateArguments& arguments, const LoopTruth& tr
   }
   result["recipe"] = recipe(truth, arguments.loops);
   return result;
+}
+
+/// What the map's error would be without some of the stages.
+ordered_json judge_without_stages(const EvaluateArguments& arguments, const RunTruth& truth, const LedgerTable& ledger) {
+  ordered_json result = ordered_json::array();
+  const fs::path graph = arguments.truth.run / "graph.g2o";
+  if (!fs::exists(graph) || truth.reference.empty()) return result;
+  for (const StageTrajectory& without : solve_without_stages(read_g2o(graph), ledger, truth.frame_times_ns)) {
+    const auto ate = absolute_trajectory_error(without.trajectory, truth.reference, error_options(arguments));
+    result.push_back({{"name", without.name},
+                      {"note", without.note},
+                      {"loops", without.num_loops},
+                      {"ate_m", ate ? to_json(ate->translation_m) : ordered_json(nullptr)}});
+  }
+  return result;
+}
+
+void print_without_stages(const ordered_json& result) {
+  if (result.empty()) return;
+  std::cout << "the same map without stages (see trajectory.tum for the one with all)\n";
+  for (const ordered_json& without : result) {
+    std::cout << "  " << std::left << std::setw(20) << without["name"].get<std::string>() << std::right << "ATE rmse ";
+    if (without["ate_m"].is_null()) std::cout << "not defined";
+    if (!without["ate_m"].is_null()) std::cout << without["ate_m"]["rmse"].get<double>() << " m";
+    std::cout << ", " << without["loops"] << " loops: " << without["note"].get<std::string>() << '\n';
+  }
 }
 
 void print_rpe(const ordered_json& rpe, const std::string& name) {
@@ -160,65 +174,112 @@ void print_loops(const ordered_json& result) {
   std::cout << "  recipe: " << result["recipe"].get<std::string>() << '\n';
 }
 
+void write_tables(const EvaluateArguments& arguments, const StageEvaluation& stages) {
+  OutputFolder folder(arguments.tables, arguments.overwrite ? OutputFolder::IfExists::Replace : OutputFolder::IfExists::Refuse);
+  write_stage_tables(folder.part_path(), stages);
+  folder.commit();
+}
+
 void run_evaluate(const EvaluateArguments& arguments) {
-  if (!fs::is_directory(arguments.run))
-    throw InputError(arguments.run.string() + ": is not a folder; give the folder that a run wrote");
-  const Trajectory reference = read_tum(reference_path(arguments));
+  const fs::path& run = arguments.truth.run;
+  if (!fs::is_directory(run)) throw InputError(run.string() + ": is not a folder; give the folder that a run wrote");
+  const auto reference = reference_path(arguments.truth);
   ordered_json result = {
-      {"run", arguments.run.string()}, {"truth", arguments.truth.string()}, {"trajectories", ordered_json::object()}};
+      {"run", run.string()}, {"truth", arguments.truth.truth.string()}, {"trajectories", ordered_json::object()}};
+  const Trajectory reference_trajectory = reference ? read_tum(*reference) : Trajectory{};
   for (const char* name : kTrajectories) {
-    const fs::path path = arguments.run / name;
-    if (fs::exists(path)) result["trajectories"][name] = judge_trajectory(arguments, path, reference);
+    if (!reference || !fs::exists(run / name)) continue;
+    result["trajectories"][name] = judge_trajectory(arguments, run / name, reference_trajectory);
   }
-  const bool has_loops = fs::exists(arguments.run / "loops.csv");
-  if (has_loops) result["loops"] = judge_loops(arguments, read_truth(arguments, reference));
+  const bool has_loops = fs::exists(run / "loops.csv");
   if (!has_loops && result["trajectories"].empty()) {
-    throw InputError(arguments.run.string() + ": has neither trajectory.tum nor loops.csv; give the folder that a run wrote");
+    throw InputError(run.string() + ": has neither trajectory.tum nor loops.csv; give the folder that a run wrote");
   }
+  std::optional<StageEvaluation> stages;
+  if (has_loops) {
+    const RunTruth truth = read_run_truth(arguments.truth);
+    result["loops"] = judge_loops(arguments, truth.loops);
+    if (!arguments.table) {
+      const LedgerTable ledger = read_ledger(run / "loops.csv");
+      stages = evaluate_stages(judge_run(ledger, truth.places, truth.loops, arguments.loops), arguments.stages);
+      result["stages"] = stages_json(*stages);
+      result["without_stages"] = judge_without_stages(arguments, truth, ledger);
+    }
+  }
+  if (stages && !arguments.tables.empty()) write_tables(arguments, *stages);
   if (arguments.json) {
     std::cout << result.dump(2) << '\n';
     return;
   }
   if (arguments.table) {
-    std::cout << results_head() << results_row(arguments.run, result);
+    std::cout << results_head() << results_row(run, result);
     return;
   }
   std::cout << std::setprecision(4);
   for (const auto& [name, trajectory] : result["trajectories"].items()) print_trajectory(name, trajectory);
   if (has_loops) print_loops(result["loops"]);
+  if (!stages) return;
+  print_stages(std::cout, *stages);
+  print_without_stages(result["without_stages"]);
+}
+
+void add_truth_options(CLI::App* command, EvaluateArguments& arguments) {
+  command->add_option("RUN", arguments.truth.run, "folder that a run wrote")->required();
+  command
+      ->add_option("--truth", arguments.truth.truth,
+                   "sequence folder (reference.tum, frames.csv, pairs.csv), a reference in TUM format, or a loop matrix")
+      ->required();
+  command->add_option(
+      "--frames", arguments.truth.frames,
+      "times of the frames (lines 'filename,timestamp_s'); default: those of the sequence folder, else of the run");
+  command->add_option("--height", arguments.loops.height_above_ground_m, "height above ground, metres; sets what a wrong loop is")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--radius", arguments.truth.places.poses.radius_m, "without pairs.csv: camera centres nearer show one place")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--max-angle", arguments.max_angle_deg,
+                   "without pairs.csv: and optical axes within this angle, degrees (default: any)")
+      ->check(CLI::Range(0.0, 180.0));
+  command->add_option("--window", arguments.truth.places.exclusion_window, "frames no further apart are neither right nor wrong")
+      ->capture_default_str();
+  command
+      ->add_option("--max-time-difference", arguments.truth.places.max_time_difference_s,
+                   "largest difference between matched times, seconds")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+}
+
+void add_output_options(CLI::App* command, EvaluateArguments& arguments) {
+  command->add_option("--rpe-distance", arguments.rpe_distance_m, "length of the stretches for the relative pose error, metres")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_flag("--sim3", arguments.sim3, "align with scale too, for trajectories that do not know theirs");
+  command->add_flag("--yaw", arguments.yaw, "align heading and position only, for trajectories that know where down is (z up)")
+      ->excludes("--sim3");
+  command->add_option("--resamples", arguments.stages.bootstrap.num_resamples, "of the bootstrap; 0: no confidence intervals")
+      ->capture_default_str();
+  command->add_option("--seed", arguments.stages.bootstrap.seed, "another number: other resamples")->capture_default_str();
+  command->add_option("--tables", arguments.tables, "folder to write stages.csv, precision_recall.csv and calibration.csv to");
+  command->add_flag("--overwrite", arguments.overwrite, "replace that folder if it exists");
+  command->add_flag("--json", arguments.json, "print one JSON object");
+  command->add_flag("--table", arguments.table, "print a table row with the run's counts, errors and seconds a frame (Markdown)");
 }
 
 }  // namespace
 
 void add_evaluate_command(CLI::App& program) {
   const auto arguments = std::make_shared<EvaluateArguments>();
-  CLI::App* command = program.add_subcommand("evaluate", "Judge a run's trajectories and loops against a reference");
-  command->add_option("RUN", arguments->run, "folder that a run wrote")->required();
-  command
-      ->add_option("--truth", arguments->truth,
-                   "sequence folder (reference.tum, frames.csv, pairs.csv), or a reference in TUM format")
-      ->required();
-  command->add_option(
-      "--frames", arguments->frames,
-      "times of the frames (lines 'filename,timestamp_s'); default: those of the sequence folder, else of the run");
-  command
-      ->add_option("--height", arguments->loops.height_above_ground_m, "height above ground, metres; sets what a wrong loop is")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--rpe-distance", arguments->rpe_distance_m, "length of the stretches for the relative pose error, metres")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command
-      ->add_option("--max-time-difference", arguments->max_time_difference_s, "largest difference between matched times, seconds")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
-  command->add_flag("--sim3", arguments->sim3, "align with scale too, for trajectories that do not know theirs");
-  command->add_flag("--yaw", arguments->yaw, "align heading and position only, for trajectories that know where down is (z up)")
-      ->excludes("--sim3");
-  command->add_flag("--json", arguments->json, "print one JSON object");
-  command->add_flag("--table", arguments->table,
-                    "print a table row with the run's counts, errors and seconds a frame (Markdown)");
-  command->callback([arguments] { run_evaluate(*arguments); });
+  CLI::App* command = program.add_subcommand("evaluate", "Judge a run's trajectories, loops and stages against a reference");
+  add_truth_options(command, *arguments);
+  add_output_options(command, *arguments);
+  command->callback([arguments] {
+    if (arguments->max_angle_deg > 0.0) arguments->truth.places.poses.max_angle_deg = arguments->max_angle_deg;
+    arguments->loops.exclusion_window = arguments->truth.places.exclusion_window;
+    run_evaluate(*arguments);
+  });
 }
 
 }  // namespace fabloop::apps

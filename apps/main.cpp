@@ -39,6 +39,8 @@ int main(int argc, char** argv) {
   add_survey_command(program, common);
   add_surface_command(program, common);
   add_evaluate_command(program);
+  add_report_command(program, common);
+  add_explain_command(program);
 
   // We thread over images and candidates ourselves, so OpenCV's own threads would only compete.
   cv::setNumThreads(1);

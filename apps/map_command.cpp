@@ -12,6 +12,7 @@
 #include "apps/feature_arguments.h"
 #include "apps/progress_bar.h"
 #include "apps/reconstruction_report.h"
+#include "apps/report_page.h"
 #include "apps/run_report.h"
 #include "frontend/error.h"
 #include "frontend/fabmap/model.h"
@@ -36,6 +37,7 @@ struct MapArguments {
   std::string gps, gps_use = "witness", refine = "nothing";
   double gps_sigma_m = GeoreferenceOptions{}.sigma_m;
   std::size_t gps_neighbours = 0;
+  bool no_report = false;
   MapSequenceOptions options;
 };
 
@@ -113,6 +115,22 @@ void run_reconstruct(const MapArguments& arguments, const CommonOptions& common,
   print_reconstruction_report(std::cout, sequence, result, arguments.out);
 }
 
+/// The page about the run, judged where the sequence has a truth.
+void write_report_of(const MapArguments& arguments, const Sequence& sequence, const CommonOptions& common) {
+  namespace fs = std::filesystem;
+  const auto has_reference = [](const Frame& frame) { return frame.world_from_camera.has_value(); };
+  ReportInput input;
+  input.truth.run = arguments.out;
+  if (std::any_of(sequence.frames.begin(), sequence.frames.end(), has_reference)) {
+    input.truth.truth = arguments.reference.empty() ? fs::path(arguments.sequence) : fs::path(arguments.reference);
+    input.truth.frames = input.truth.run / "frames.csv";
+    input.truth.places.max_time_difference_s = arguments.max_time_difference_s;
+  }
+  input.images = sequence.frames.front().image_path.parent_path();
+  input.num_threads = common.num_threads;
+  write_report(input.truth.run / "report.html", input);
+}
+
 void run_map(MapArguments& arguments, const CommonOptions& common) {
   const auto if_exists = arguments.overwrite ? OutputFolder::IfExists::Replace : OutputFolder::IfExists::Refuse;
   { const OutputFolder probe(arguments.out, if_exists); }  // before the work, not after it
@@ -142,6 +160,7 @@ void run_map(MapArguments& arguments, const CommonOptions& common) {
   }
   const SequenceMap result = map_sequence(sequence, model, options);
   write_run_folder(arguments.out, sequence, result, options, if_exists);
+  if (!arguments.no_report) write_report_of(arguments, sequence, common);
   print_run_report(std::cout, sequence, result, arguments.out);
 }
 
@@ -159,6 +178,7 @@ void add_input_options(CLI::App* command, MapArguments& arguments) {
       ->capture_default_str();
   command->add_flag("--strict", arguments.strict, "stop at an image that cannot be read instead of skipping it");
   command->add_flag("--overwrite", arguments.overwrite, "replace the folder if it exists");
+  command->add_flag("--no-report", arguments.no_report, "do not write report.html");
 }
 
 void add_reconstruction_options(CLI::App* command, MapArguments& arguments) {

@@ -37,33 +37,6 @@ bool pose_agrees(const LoopRecord& record, const Pose& match_from_query, const L
   return !has_baseline || loop.direction_error_deg <= options.max_direction_error_deg;
 }
 
-JudgedLoop judge(const LoopRecord& record, const LoopTruth& truth, const LoopEvaluationOptions& options) {
-  JudgedLoop loop{record.query, record.match};
-  const Pose* world_from_query = reference_of(truth, record.query);
-  const Pose* world_from_match = reference_of(truth, record.match);
-  if (!world_from_query || !world_from_match) return loop;
-
-  const Pose match_from_query = world_from_match->inverse() * *world_from_query;
-  const Eigen::Vector3d& measured = record.match_from_query->translation;
-  (record.has_scale ? loop.translation_error_m : loop.direction_error_deg) =
-      record.has_scale ? (measured - match_from_query.translation).norm() : angle_deg(measured, match_from_query.translation);
-  const bool agrees = pose_agrees(record, match_from_query, options, loop);
-
-  const auto [first, second] = std::minmax(record.query, record.match);
-  const bool near_in_time = second - first <= options.exclusion_window;
-  const MatchTruth pair = truth.pairs ? judge_pair(pair_between(*truth.pairs, first, second), options.pairs) : MatchTruth::True;
-  if (pair == MatchTruth::False && !near_in_time) {
-    loop.judgement = LoopJudgement::FalsePair;
-  } else if (!agrees) {
-    loop.judgement = LoopJudgement::FalsePose;
-  } else if (pair == MatchTruth::True || near_in_time) {
-    loop.judgement = LoopJudgement::True;
-  } else {
-    loop.judgement = LoopJudgement::UnclearPair;
-  }
-  return loop;
-}
-
 double query_recall(const std::vector<JudgedLoop>& loops, const LoopTruth& truth, const LoopEvaluationOptions& options) {
   std::set<std::size_t> wanted;
   for (const auto& [frames, pair] : *truth.pairs) {
@@ -93,13 +66,40 @@ double pair_recall(const std::vector<JudgedLoop>& loops, const LoopTruth& truth,
 
 }  // namespace
 
+JudgedLoop judge_loop(const LoopRecord& record, const LoopTruth& truth, const LoopEvaluationOptions& options) {
+  JudgedLoop loop{record.query, record.match};
+  const Pose* world_from_query = reference_of(truth, record.query);
+  const Pose* world_from_match = reference_of(truth, record.match);
+  if (!world_from_query || !world_from_match) return loop;
+
+  const Pose match_from_query = world_from_match->inverse() * *world_from_query;
+  const Eigen::Vector3d& measured = record.match_from_query->translation;
+  (record.has_scale ? loop.translation_error_m : loop.direction_error_deg) =
+      record.has_scale ? (measured - match_from_query.translation).norm() : angle_deg(measured, match_from_query.translation);
+  const bool agrees = pose_agrees(record, match_from_query, options, loop);
+
+  const auto [first, second] = std::minmax(record.query, record.match);
+  const bool near_in_time = second - first <= options.exclusion_window;
+  const MatchTruth pair = truth.pairs ? judge_pair(pair_between(*truth.pairs, first, second), options.pairs) : MatchTruth::True;
+  if (pair == MatchTruth::False && !near_in_time) {
+    loop.judgement = LoopJudgement::FalsePair;
+  } else if (!agrees) {
+    loop.judgement = LoopJudgement::FalsePose;
+  } else if (pair == MatchTruth::True || near_in_time) {
+    loop.judgement = LoopJudgement::True;
+  } else {
+    loop.judgement = LoopJudgement::UnclearPair;
+  }
+  return loop;
+}
+
 LoopEvaluation evaluate_loops(const std::vector<LoopRecord>& records, const LoopTruth& truth,
                               const LoopEvaluationOptions& options) {
   LoopEvaluation result;
   result.num_hypotheses = records.size();
   for (const LoopRecord& record : records) {
     if (!record.accepted() || !record.match_from_query) continue;
-    const JudgedLoop loop = judge(record, truth, options);
+    const JudgedLoop loop = judge_loop(record, truth, options);
     ++result.num_accepted;
     switch (loop.judgement) {
       case LoopJudgement::True:

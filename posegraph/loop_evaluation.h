@@ -56,6 +56,9 @@ struct LoopEvaluation {
   std::vector<JudgedLoop> loops;       ///< The accepted ones, in order.
 };
 
+/// Judges one loop that has a pose, accepted or not. Throws InputError for a frame position beyond the truth's frames.
+JudgedLoop judge_loop(const LoopRecord& record, const LoopTruth& truth, const LoopEvaluationOptions& options = {});
+
 /// Judges the accepted loops. Throws InputError for a frame position beyond the truth's frames.
 LoopEvaluation evaluate_loops(const std::vector<LoopRecord>& records, const LoopTruth& truth,
                               const LoopEvaluationOptions& options = {});

@@ -105,7 +105,7 @@ void Mapper::take_loops() {
   const LoopEvent& event = map_.events.back();
   for (const std::vector<LoopClosure>* loops : {&event.loops, &event.confirmed}) {
     for (const LoopClosure& loop : *loops) {
-      verdict_of({vertex_of(loop.query), loop.match, loop.match_session}) = Verdict::Accepted;
+      outcome_of({vertex_of(loop.query), loop.match, loop.match_session}).verification.verdict = Verdict::Accepted;
       if (loop.match_session == event.session) add_loop_edge(loop);
     }
   }
@@ -124,12 +124,22 @@ void Mapper::add_loop_edge(const LoopClosure& loop) {
   has_new_loop_ = true;
 }
 
-Verdict& Mapper::verdict_of(const LoopPair& pair) {
+HypothesisOutcome& Mapper::outcome_of(const LoopPair& pair) {
   std::vector<HypothesisOutcome>& hypotheses = map_.events[pair.query].hypotheses;
   const auto found = std::find_if(hypotheses.begin(), hypotheses.end(), [&](const HypothesisOutcome& outcome) {
     return outcome.match == pair.match && outcome.match_session == pair.match_session;
   });
-  return found->verification.verdict;
+  return *found;
+}
+
+void Mapper::tell_what_the_back_end_says() {
+  std::size_t loop = 0;
+  for (std::size_t i = 0; i < map_.graph.edges.size(); ++i) {
+    if (map_.graph.edges[i].kind != EdgeKind::Loop) continue;
+    HypothesisOutcome& outcome = outcome_of(loops_[loop++]);
+    outcome.map_chi2 = map_.report.edges[i].chi2;
+    outcome.map_weight = map_.report.edges[i].weight;
+  }
 }
 
 std::size_t Mapper::vertex_of(std::size_t position) const {
@@ -156,20 +166,25 @@ void Mapper::solve() {
 
 Map Mapper::finish() {
   solve();
+  tell_what_the_back_end_says();
   std::vector<Edge> kept;
+  std::vector<LoopPair> kept_loops;
   std::size_t loop = 0;
   for (std::size_t i = 0; i < map_.graph.edges.size(); ++i) {
     const bool is_loop = map_.graph.edges[i].kind == EdgeKind::Loop;
     const int degrees_of_freedom = map_.graph.edges[i].has_scale ? 6 : 5;
     const bool contradicts =
         is_loop && map_.report.edges[i].chi2 > chi_square_quantile(options_.max_loop_surprise, degrees_of_freedom);
-    if (contradicts) verdict_of(loops_[loop]) = Verdict::ContradictsMap;
+    if (contradicts) outcome_of(loops_[loop]).verification.verdict = Verdict::ContradictsMap;
     if (!contradicts) kept.push_back(map_.graph.edges[i]);
+    if (!contradicts && is_loop) kept_loops.push_back(loops_[loop]);
     loop += is_loop;
   }
   if (kept.size() < map_.graph.edges.size()) {
     map_.graph.edges = std::move(kept);
+    loops_ = std::move(kept_loops);
     solve();
+    tell_what_the_back_end_says();
   }
   for (std::size_t v = 0; v < map_.graph.vertices.size(); ++v) {
     map_.final_trajectory.push_back({map_.odometry_trajectory[v].time_ns, map_.graph.vertices[v].world_from_frame});

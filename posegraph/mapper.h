@@ -79,7 +79,8 @@ class Mapper {
 
   void take_loops();
   void add_loop_edge(const LoopClosure& loop);
-  Verdict& verdict_of(const LoopPair& pair);
+  HypothesisOutcome& outcome_of(const LoopPair& pair);
+  void tell_what_the_back_end_says();
   void add_neighbour_edge(const NeighbourLink& link);
   std::size_t vertex_of(std::size_t position) const;
   void solve();

@@ -9,6 +9,7 @@
 
 #include "frontend/sequence/trajectory.h"
 #include "posegraph/g2o_io.h"
+#include "posegraph/inlier_file.h"
 #include "posegraph/map_picture.h"
 #include "posegraph/run_summary.h"
 #include "verification/ledger.h"
@@ -105,6 +106,7 @@ void write_run_folder(const std::filesystem::path& path, const Sequence& sequenc
   write_g2o(part / "graph.g2o", result.map.graph);
   write_loops_csv(part / "loops.csv", result.map);
   write_frames_csv(part / "frames.csv", sequence);
+  write_inliers(part / "inliers.npy", result.map);
   write_points_ply(part / "points.ply", result.map);
   write_map_picture(part / "map.png", sequence, result.map);
   write_run_summary(part / "summary.json", sequence, result, options);

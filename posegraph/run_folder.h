@@ -30,8 +30,8 @@ struct LoopCounts {
 LoopCounts count_loops(const Map& map);
 
 /// Writes the public run folder: summary.json, trajectory.tum, trajectory_online.tum, trajectory_odometry.tum, graph.g2o,
-/// loops.csv, frames.csv (`filename,timestamp_s` of every frame of the sequence: what `query` and `match` count), points.ply,
-/// map.png. It appears under its name only when it is complete. The same map gives the same bytes,
+/// loops.csv, frames.csv (`filename,timestamp_s` of every frame of the sequence: what `query` and `match` count), inliers.npy,
+/// points.ply, map.png. It appears under its name only when it is complete. The same map gives the same bytes,
 /// but for the timings in summary.json. Throws InputError when it exists (unless `Replace`) or cannot be written.
 void write_run_folder(const std::filesystem::path& path, const Sequence& sequence, const SequenceMap& result,
                       const MapSequenceOptions& options, OutputFolder::IfExists if_exists = OutputFolder::IfExists::Refuse);

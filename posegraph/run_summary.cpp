@@ -12,6 +12,8 @@
 #include "frontend/output_file.h"
 #include "frontend/stage_times.h"
 #include "posegraph/run_folder.h"
+#include "posegraph/run_memory.h"
+#include "posegraph/run_parameters.h"
 
 namespace fabloop {
 namespace {
@@ -85,8 +87,11 @@ void write_run_summary(const std::filesystem::path& path, const Sequence& sequen
                     {"odometry", error_json(errors.odometry)},
                     {"online", error_json(errors.online)},
                     {"final", error_json(errors.final)}};
+  summary["parameters"] = Json::parse(run_parameters_json(options, result.model.features));
+  summary["memory"] = Json::parse(memory_json(map));
   summary["versions"] = {{"fabloop", FABLOOP_VERSION}, {"opencv", CV_VERSION}, {"ceres", CERES_VERSION_STRING}};
   summary["timings"] = timings(map.times);
+  summary["peak_memory_mib"] = peak_memory_mib();
   OutputFile file(path);
   file.stream() << summary.dump(2) << '\n';
   file.commit();

@@ -8,7 +8,8 @@
 
 namespace fabloop {
 
-/// Writes every figure of a run as JSON. All of it is the same from run to run but for the object "timings".
+/// Writes every figure of a run as JSON. All of it is the same from run to run but for "timings" and
+/// "peak_memory_mib".
 void write_run_summary(const std::filesystem::path& path, const Sequence& sequence, const SequenceMap& result,
                        const MapSequenceOptions& options);
 

@@ -53,6 +53,8 @@ void for_each_column(const LoopEvent& event, std::size_t index, const Hypothesis
   visit("p_true", v.p_true);
   visit("session", event.session);
   visit("match_session", outcome.match_session);
+  visit("map_chi2", outcome.map_chi2.value_or(std::numeric_limits<double>::quiet_NaN()));
+  visit("map_weight", outcome.map_weight.value_or(std::numeric_limits<double>::quiet_NaN()));
   visit("looks", v.num_looks);
 }
 

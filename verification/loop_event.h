@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "frontend/geometry/pose.h"
@@ -19,6 +20,9 @@ struct HypothesisOutcome {
   double probability = 0;
   double log_likelihood = 0;
   Verification verification;  ///< Of the cameras. LoopClosure has the same for the bodies.
+  /// What the map's back end makes of a loop that it was given: the squared whitened error, and the robust weight, 1 for one that
+  /// is believed fully. Only a map can tell.
+  std::optional<double> map_chi2 = {}, map_weight = {};
 };
 
 /// A proven loop as a host's pose graph takes it: the pose of one body in another.

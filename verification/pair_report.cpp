@@ -109,6 +109,12 @@ std::vector<PairFigure> pair_figures(const View& query, const View& match, const
   return list.take();
 }
 
+std::vector<PairFigure> gate_figures(const Verification& found, const VerifierOptions& options) {
+  FigureList list;
+  add_gates(found, options, list);
+  return list.take();
+}
+
 std::string_view meaning_of(Verdict verdict) {
   switch (verdict) {
     case Verdict::Accepted:
@@ -141,6 +147,29 @@ std::string_view meaning_of(Verdict verdict) {
       return "the rest of the map says otherwise";
   }
   return "";
+}
+
+std::string_view gate_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::TooFewMatches:
+      return "matches";
+    case Verdict::TooFewInliers:
+      return "inliers";
+    case Verdict::AccidentalInliers:
+      return "log10_false_alarms";
+    case Verdict::RepeatedTexture:
+      return "second_support";
+    case Verdict::InliersInCorner:
+      return "inlier_area";
+    case Verdict::NoParallax:
+      return "rotation_share";
+    case Verdict::AmbiguousPose:
+      return "planar_lead";
+    case Verdict::Improbable:
+      return "p_true";
+    default:
+      return "";
+  }
 }
 
 std::string wanted_text(const PairFigure& figure) {

@@ -33,8 +33,14 @@ struct PairFigure {
 std::vector<PairFigure> pair_figures(const View& query, const View& match, const Verification& found,
                                      const VerifierOptions& options);
 
+/// Those of them that need no images: what a ledger's line tells.
+std::vector<PairFigure> gate_figures(const Verification& found, const VerifierOptions& options);
+
 /// What a verdict means, in a sentence for a person.
 std::string_view meaning_of(Verdict verdict);
+
+/// The name of the figure that decided on this verdict; empty where it was not one figure alone.
+std::string_view gate_of(Verdict verdict);
 
 /// "at least 15", "at most 0.5", or nothing.
 std::string wanted_text(const PairFigure& figure);

@@ -22,21 +22,6 @@ constexpr const char* kKinds =
 
 std::size_t num_frames(const std::vector<ObservedImage>& images) { return images.empty() ? 0 : images.back().frame + 1; }
 
-/// Whether a text file's first line of content is one of a 0/1 matrix.
-bool is_loop_matrix(const fs::path& path) {
-  if (path.extension() == ".npy") return true;
-  std::ifstream file(path);
-  std::string line;
-  while (std::getline(file, line)) {
-    if (line.empty() || line.front() == '#') continue;
-    const bool other = line.find_first_not_of("01., ;\t\r") != std::string::npos;
-    // Poses and pairs have longer numbers; a matrix has none.
-    return !other && line.find("00") == std::string::npos && line.find("10") == std::string::npos &&
-           line.find("01") == std::string::npos && line.find("11") == std::string::npos;
-  }
-  return false;
-}
-
 /// One entry a frame up to the last image; none where there is no image, or no pose at its time.
 std::vector<std::optional<Pose>> read_frame_poses(const fs::path& path, const std::vector<ObservedImage>& images,
                                                   const RecognitionTruthOptions& options) {
@@ -79,6 +64,20 @@ fs::path pose_file(const fs::path& path) {
 }
 
 }  // namespace
+
+bool is_loop_matrix(const fs::path& path) {
+  if (path.extension() == ".npy") return true;
+  std::ifstream file(path);
+  std::string line;
+  while (std::getline(file, line)) {
+    if (line.empty() || line.front() == '#') continue;
+    const bool other = line.find_first_not_of("01., ;\t\r") != std::string::npos;
+    // Poses and pairs have longer numbers; a matrix has none.
+    return !other && line.find("00") == std::string::npos && line.find("10") == std::string::npos &&
+           line.find("01") == std::string::npos && line.find("11") == std::string::npos;
+  }
+  return false;
+}
 
 GroundTruth read_truth(const fs::path& path, const std::vector<ObservedImage>& images, const RecognitionTruthOptions& options) {
   require_exists(path);

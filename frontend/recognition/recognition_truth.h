@@ -16,6 +16,9 @@ struct RecognitionTruthOptions {
   double max_time_difference_s = 0.01;  ///< Between an image and its pose.
 };
 
+/// Whether a file is a loop matrix: `.npy`, or text whose first line of content is one of 0 and 1.
+bool is_loop_matrix(const std::filesystem::path& path);
+
 /// The ground truth of a sequence recognised in itself. `path` is a folder (its `pairs.csv`, else its `reference.tum`), a
 /// `pairs.csv`, a loop matrix (see read_loop_matrix), or poses in TUM form. Throws InputError when it is none of them, or when no
 /// pose is near an image in time.

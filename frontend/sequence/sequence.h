@@ -51,9 +51,6 @@ cv::Mat read_gray_image(const std::filesystem::path& image_path);
 /// another size than the camera's.
 cv::Mat read_gray_image(const std::filesystem::path& image_path, const Camera& camera);
 
-/// The same for an image of any size, where no calibration is needed.
-cv::Mat read_gray_image(const std::filesystem::path& image_path);
-
 /// The image in colour: 8-bit blue, green, red (`CV_8UC3`); a grey file gives three equal channels.
 /// Throws as read_gray_image() does.
 cv::Mat read_colour_image(const std::filesystem::path& image_path, const Camera& camera);

@@ -95,7 +95,7 @@ TEST(RunFolder, IsCompleteAndReadable) {
   std::set<std::string> names;
   for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename().string());
   for (const char* name : {"summary.json", "trajectory.tum", "trajectory_online.tum", "trajectory_odometry.tum", "graph.g2o",
-                           "loops.csv", "points.ply", "map.png"}) {
+                           "loops.csv", "inliers.npy", "points.ply", "map.png"}) {
     EXPECT_TRUE(names.contains(name)) << name;
   }
   EXPECT_FALSE(fs::exists(scratch.path() / "run.part"));

@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: BSD-3-Clause
+cmake_minimum_required(VERSION 3.25)
+
+# Puts the page's sources into one page, and that into a C++ string, so that the program needs no file beside it.
+# Arguments: SOURCE (this folder), LIBRARIES (scripts that go first, may be empty), OUT (the C++ file).
+file(READ ${SOURCE}/report.html page)
+file(READ ${SOURCE}/report.css css)
+set(libraries "")
+string(REPLACE "|" ";" LIBRARIES "${LIBRARIES}")
+foreach(library IN LISTS LIBRARIES)
+  file(READ ${library} text)
+  string(APPEND libraries "${text}\n")
+endforeach()
+string(REPLACE "</script" "<\\/script" libraries "${libraries}")
+set(script "")
+foreach(name IN ITEMS data plots above space map pair table page)
+  file(READ ${SOURCE}/${name}.js text)
+  string(APPEND script "${text}\n")
+endforeach()
+string(REPLACE "</script" "<\\/script" script "${script}")
+string(REPLACE "/*@CSS@*/" "${css}" page "${page}")
+string(REPLACE "/*@SCRIPT@*/" "${script}" page "${page}")
+string(REPLACE "/*@LIBRARIES@*/" "${libraries}" page "${page}")
+file(WRITE ${OUT} "// Made of apps/report/ by embed.cmake.\n#include \"apps/report_source.h\"\n\nnamespace fabloop::apps {\nconst std::string_view kReportPage =\n")
+# Compilers bound the length of one literal; adjacent ones are joined.
+string(LENGTH "${page}" length)
+set(begin 0)
+while(begin LESS length)
+  string(SUBSTRING "${page}" ${begin} 12000 piece)
+  file(APPEND ${OUT} "R\"fabloop-page(${piece})fabloop-page\"\n")
+  math(EXPR begin "${begin} + 12000")
+endwhile()
+file(APPEND ${OUT} ";\n}  // namespace fabloop::apps\n")

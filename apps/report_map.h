@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "frontend/sequence/trajectory.h"
+
+namespace fabloop::apps {
+
+/// The trajectories of a run and its points in one world, as the page draws them: the reference's where it is known, else the
+/// odometry's. `up` is the page's vertical.
+nlohmann::ordered_json map_data(const std::filesystem::path& run, const Trajectory& reference,
+                                const std::vector<std::int64_t>& frame_times_ns);
+
+}  // namespace fabloop::apps

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "apps/stage_report.h"
+
+#include <array>
+#include <iomanip>
+#include <limits>
+#include <sstream>
+#include <string>
+
+#include "frontend/output_file.h"
+
+namespace fabloop::apps {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct NamedFigure {
+  const char* name;
+  const char* title;
+  EstimatedFigure StageResult::*figure;
+};
+constexpr std::array<NamedFigure, 7> kFigures = {
+    {{"precision", "precision", &StageResult::precision},
+     {"query_recall", "query recall", &StageResult::query_recall},
+     {"false_rejection", "false refused", &StageResult::false_rejection},
+     {"average_precision", "average prec.", &StageResult::average_precision},
+     {"recall_at_full_precision", "recall@100%", &StageResult::recall_at_full_precision},
+     {"expected_calibration_error", "ECE", &StageResult::expected_calibration_error},
+     {"brier_score", "Brier", &StageResult::brier_score}}};
+
+ordered_json to_json(const EstimatedFigure& figure) {
+  if (!figure.value) return nullptr;
+  ordered_json json = {{"value", *figure.value}};
+  if (figure.interval) {
+    json["low"] = figure.interval->low;
+    json["high"] = figure.interval->high;
+  }
+  return json;
+}
+
+ordered_json curve_json(const PrecisionRecallCurve& curve) {
+  ordered_json thresholds = ordered_json::array(), precisions = ordered_json::array(), recalls = ordered_json::array();
+  for (const PrecisionRecallPoint& point : curve.points) {
+    thresholds.push_back(point.threshold);
+    precisions.push_back(point.precision);
+    recalls.push_back(point.recall);
+  }
+  return {{"positives", curve.num_positives}, {"threshold", thresholds}, {"precision", precisions}, {"recall", recalls}};
+}
+
+ordered_json calibration_json(const Calibration& calibration) {
+  ordered_json bins = ordered_json::array();
+  for (const ReliabilityBin& bin : calibration.bins) {
+    bins.push_back({{"lowest", bin.lowest},
+                    {"highest", bin.highest},
+                    {"count", bin.count},
+                    {"mean_score", bin.mean_score},
+                    {"share_true", bin.share_true}});
+  }
+  return {{"decisions", calibration.num_decisions}, {"bins", bins}};
+}
+
+ordered_json stage_json(const StageResult& stage) {
+  ordered_json json = {{"stage", in_words(stage.stage)},
+                       {"score", stage.score},
+                       {"before", {{"true", stage.num_true_before}, {"false", stage.num_false_before}}},
+                       {"passed", {{"true", stage.num_true}, {"false", stage.num_false}, {"unjudged", stage.num_unjudged}}}};
+  for (const NamedFigure& named : kFigures) json[named.name] = to_json(stage.*named.figure);
+  ordered_json recall_at = ordered_json::object();
+  for (const RecallAt& at : stage.recall_at) recall_at[std::to_string(at.k)] = at.recall;
+  json["recall_at"] = recall_at;
+  json["curve"] = stage.curve ? curve_json(*stage.curve) : ordered_json(nullptr);
+  json["calibration"] = stage.calibration ? calibration_json(*stage.calibration) : ordered_json(nullptr);
+  return json;
+}
+
+/// "0.912 [0.88, 0.94]", or "-".
+std::string figure_text(const EstimatedFigure& figure) {
+  if (!figure.value) return "-";
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(3) << *figure.value;
+  if (figure.interval) text << std::setprecision(2) << " [" << figure.interval->low << ", " << figure.interval->high << ']';
+  return text.str();
+}
+
+/// As many digits as it takes to get the same number back; an empty field where it is not known.
+void put(std::ostream& out, const std::optional<double>& value) {
+  out << ',';
+  if (value) out << std::setprecision(std::numeric_limits<double>::max_digits10) << *value;
+}
+
+void write_stages_csv(const std::filesystem::path& path, const StageEvaluation& evaluation) {
+  OutputFile file(path);
+  file.stream() << "# " << evaluation.recipe << "\nstage,score,true_before,false_before,true,false,unjudged";
+  for (const NamedFigure& named : kFigures)
+    file.stream() << ',' << named.name << ',' << named.name << "_low," << named.name << "_high";
+  for (const RecallAt& at : evaluation.stages.front().recall_at) file.stream() << ",recall_at_" << at.k;
+  file.stream() << '\n';
+  for (const StageResult& stage : evaluation.stages) {
+    file.stream() << in_words(stage.stage) << ',' << stage.score << ',' << stage.num_true_before << ',' << stage.num_false_before
+                  << ',' << stage.num_true << ',' << stage.num_false << ',' << stage.num_unjudged;
+    for (const NamedFigure& named : kFigures) {
+      const EstimatedFigure& figure = stage.*named.figure;
+      put(file.stream(), figure.value);
+      put(file.stream(), figure.interval ? std::optional(figure.interval->low) : std::nullopt);
+      put(file.stream(), figure.interval ? std::optional(figure.interval->high) : std::nullopt);
+    }
+    for (const RecallAt& at : stage.recall_at) put(file.stream(), at.recall);
+    file.stream() << '\n';
+  }
+  file.commit();
+}
+
+void write_curves_csv(const std::filesystem::path& path, const StageEvaluation& evaluation) {
+  OutputFile file(path);
+  file.stream() << "stage,threshold,precision,recall\n";
+  for (const StageResult& stage : evaluation.stages) {
+    if (!stage.curve) continue;
+    for (const PrecisionRecallPoint& point : stage.curve->points) {
+      file.stream() << in_words(stage.stage);
+      for (const double value : {point.threshold, point.precision, point.recall}) put(file.stream(), value);
+      file.stream() << '\n';
+    }
+  }
+  file.commit();
+}
+
+void write_calibration_csv(const std::filesystem::path& path, const StageEvaluation& evaluation) {
+  OutputFile file(path);
+  file.stream() << "stage,lowest,highest,count,mean_score,share_true\n";
+  for (const StageResult& stage : evaluation.stages) {
+    if (!stage.calibration) continue;
+    for (const ReliabilityBin& bin : stage.calibration->bins) {
+      file.stream() << in_words(stage.stage) << ',' << bin.lowest << ',' << bin.highest << ',' << bin.count;
+      put(file.stream(), bin.count > 0 ? std::optional(bin.mean_score) : std::nullopt);
+      put(file.stream(), bin.count > 0 ? std::optional(bin.share_true) : std::nullopt);
+      file.stream() << '\n';
+    }
+  }
+  file.commit();
+}
+
+}  // namespace
+
+ordered_json stages_json(const StageEvaluation& evaluation) {
+  ordered_json stages = ordered_json::array();
+  for (const StageResult& stage : evaluation.stages) stages.push_back(stage_json(stage));
+  return {{"queries", evaluation.num_queries},
+          {"queries_with_true_match", evaluation.num_queries_with_true_match},
+          {"stages", stages},
+          {"recipe", evaluation.recipe}};
+}
+
+void print_stages(std::ostream& out, const StageEvaluation& evaluation) {
+  out << "stages\n  " << std::left << std::setw(12) << "" << std::right << std::setw(8) << "true" << std::setw(8) << "false"
+      << std::setw(8) << "unsure";
+  for (const NamedFigure& named : kFigures) out << "  " << std::left << std::setw(18) << named.title;
+  out << '\n';
+  for (const StageResult& stage : evaluation.stages) {
+    out << "  " << std::left << std::setw(12) << in_words(stage.stage) << std::right << std::setw(8) << stage.num_true
+        << std::setw(8) << stage.num_false << std::setw(8) << stage.num_unjudged;
+    for (const NamedFigure& named : kFigures) out << "  " << std::left << std::setw(18) << figure_text(stage.*named.figure);
+    out << '\n';
+  }
+  for (const StageResult& stage : evaluation.stages) {
+    if (stage.recall_at.empty()) continue;
+    out << "  " << std::left << std::setw(12) << in_words(stage.stage) << std::right;
+    for (const RecallAt& at : stage.recall_at) out << "  recall@" << at.k << ' ' << std::setprecision(3) << at.recall;
+    out << '\n';
+  }
+  out << "  recipe: " << evaluation.recipe << '\n';
+}
+
+void write_stage_tables(const std::filesystem::path& folder, const StageEvaluation& evaluation) {
+  write_stages_csv(folder / "stages.csv", evaluation);
+  write_curves_csv(folder / "precision_recall.csv", evaluation);
+  write_calibration_csv(folder / "calibration.csv", evaluation);
+}
+
+}  // namespace fabloop::apps

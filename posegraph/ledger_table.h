@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "posegraph/loop_truth.h"
+
+namespace fabloop {
+
+/// A hypothesis with every figure that is known of it.
+struct LedgerRow {
+  LoopRecord loop;                             ///< With its pose wherever one was found, accepted or not.
+  std::vector<std::optional<double>> figures;  ///< One a column of the table; none where the field is empty or no number.
+};
+
+/// A run's `loops.csv` with all its columns.
+struct LedgerTable {
+  std::vector<std::string> columns;  ///< The head line.
+  std::vector<LedgerRow> rows;       ///< Those whose match is a frame of this sequence, in the file's order.
+
+  /// The figure of that column; none where the row, or the whole file, does not have it.
+  std::optional<double> figure(const LedgerRow& row, std::string_view column) const;
+};
+
+/// Reads it. Lines whose `match_session` is not their `session` are left out, as in read_loops(). Throws InputError naming file
+/// and line.
+LedgerTable read_ledger(const std::filesystem::path& path);
+
+}  // namespace fabloop
