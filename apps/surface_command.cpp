@@ -43,7 +43,7 @@ MapRun read_input(const SurfaceArguments& arguments, const CommonOptions& common
         ": is neither a run of `fabloop map` (trajectory.tum) nor a COLMAP text model (cameras.txt); give one of them");
   }
   if (!arguments.origin.empty()) {
-    run.reconstruction.origin = GeoOrigin{arguments.origin[0], arguments.origin[1], arguments.origin[2]};
+    run.reconstruction.origin = GeoPosition{arguments.origin[0], arguments.origin[1], arguments.origin[2]};
     run.reconstruction.unit = LengthUnit::Metres;
   }
   return run;

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "frontend/features/spatially_even.h"
 #include "verification/evidence.h"
 #include "verification/guided_matching.h"
 #include "verification/inlier_spread.h"
@@ -195,16 +196,6 @@ class Gates {
   PoseChoice choice_;
   Verification result_;
 };
-
-/// The first features, which cover the image evenly.
-Features first_features(const Features& features, std::size_t count) {
-  if (features.keypoints.size() <= count) return features;
-  Features first;
-  first.descriptor_kind = features.descriptor_kind;
-  first.keypoints.assign(features.keypoints.begin(), features.keypoints.begin() + static_cast<std::ptrdiff_t>(count));
-  first.descriptors = features.descriptors.rowRange(0, static_cast<int>(count));
-  return first;
-}
 
 }  // namespace
 

@@ -92,4 +92,13 @@ std::vector<std::size_t> spatially_even(const std::vector<cv::KeyPoint>& keypoin
   return kept;
 }
 
+Features first_features(const Features& features, std::size_t count) {
+  if (features.keypoints.size() <= count) return features;
+  Features first;
+  first.descriptor_kind = features.descriptor_kind;
+  first.keypoints.assign(features.keypoints.begin(), features.keypoints.begin() + static_cast<std::ptrdiff_t>(count));
+  first.descriptors = features.descriptors.rowRange(0, static_cast<int>(count));
+  return first;
+}
+
 }  // namespace fabloop

@@ -5,6 +5,8 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "frontend/features/features.h"
+
 namespace fabloop {
 
 /// Indices of at most `wanted` keypoints that cover the image evenly, and of which the first n do so, for any n.
@@ -16,5 +18,9 @@ namespace fabloop {
 /// `wanted`. Keypoints may lie outside the image; they belong to the nearest cell.
 std::vector<std::size_t> spatially_even(const std::vector<cv::KeyPoint>& keypoints, const cv::Size& image_size,
                                         std::size_t wanted);
+
+/// The first `count` features (all where there are fewer), which cover the image evenly where an extractor gave them. Shares the
+/// descriptors' memory.
+Features first_features(const Features& features, std::size_t count);
 
 }  // namespace fabloop

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "frontend/geometry/camera.h"
+#include "frontend/geometry/geo_position.h"
 
 namespace fabloop {
 
@@ -13,13 +14,6 @@ namespace fabloop {
 /// pixels, which may be fewer than the sensor's. Off by a few percent as a rule, which bends a long trajectory. None when the
 /// file has no such EXIF.
 std::optional<Camera> camera_from_exif(const std::filesystem::path& image_path, int width, int height);
-
-/// A place on Earth (WGS 84).
-struct GeoPosition {
-  double latitude_deg = 0;
-  double longitude_deg = 0;
-  double altitude_m = 0;
-};
 
 /// Where an image's EXIF says that it was taken; none when it does not say, altitude included.
 std::optional<GeoPosition> position_from_exif(const std::filesystem::path& image_path);

@@ -9,19 +9,11 @@
 #include "frontend/fabmap/model_training.h"
 #include "frontend/fabmap/place_recognizer.h"
 #include "frontend/fabmap/word_finder.h"
+#include "frontend/features/spatially_even.h"
 #include "frontend/parallel.h"
 
 namespace fabloop {
 namespace {
-
-/// The first features, which cover the image evenly.
-Features first_features(const Features& features, std::size_t count) {
-  Features first = features;
-  const std::size_t kept = std::min(count, features.keypoints.size());
-  first.keypoints.resize(kept);
-  first.descriptors = features.descriptors.rowRange(0, static_cast<int>(kept));
-  return first;
-}
 
 Model train_on(const std::vector<View>& views, const CandidatePairsOptions& options) {
   ModelTrainingOptions training;

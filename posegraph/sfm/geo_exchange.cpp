@@ -13,7 +13,7 @@
 namespace fabloop {
 namespace {
 
-GeoPoint place_of(const Reconstruction& reconstruction, const PlacedImage& image) {
+GeoPosition place_of(const Reconstruction& reconstruction, const PlacedImage& image) {
   assert(reconstruction.origin);
   return geo_from_local(*reconstruction.origin, image.world_from_camera.translation);
 }
@@ -21,7 +21,7 @@ GeoPoint place_of(const Reconstruction& reconstruction, const PlacedImage& image
 /// A loop with where its frames are.
 struct PlacedLoop {
   LoopLink link;
-  GeoPoint query, match;
+  GeoPosition query, match;
 };
 
 std::vector<PlacedLoop> placed_loops(const Reconstruction& reconstruction, const std::vector<LoopLink>& loops) {
@@ -41,7 +41,7 @@ constexpr int kDegreeDigits = 9;  // a tenth of a millimetre
 constexpr int kMetreDigits = 3;
 
 /// "longitude,latitude,altitude", as KML has it.
-std::string kml_coordinates(const GeoPoint& place) {
+std::string kml_coordinates(const GeoPosition& place) {
   std::ostringstream text;
   text << std::fixed << std::setprecision(kDegreeDigits) << place.longitude_deg << ',' << place.latitude_deg << ','
        << std::setprecision(kMetreDigits) << place.altitude_m;
@@ -68,7 +68,7 @@ std::string escaped(const std::string& text) {
   return result;
 }
 
-nlohmann::ordered_json json_coordinates(const GeoPoint& place) {
+nlohmann::ordered_json json_coordinates(const GeoPosition& place) {
   return {place.longitude_deg, place.latitude_deg, place.altitude_m};
 }
 
@@ -82,7 +82,7 @@ void write_geo_txt(const std::filesystem::path& path, const Reconstruction& reco
   OutputFile file(path);
   file.stream() << "EPSG:4326\n" << std::fixed;
   for (const PlacedImage& image : reconstruction.images) {
-    const GeoPoint place = place_of(reconstruction, image);
+    const GeoPosition place = place_of(reconstruction, image);
     file.stream() << image.image_path.filename().string() << ' ' << std::setprecision(kDegreeDigits) << place.longitude_deg << ' '
                   << place.latitude_deg << ' ' << std::setprecision(kMetreDigits) << place.altitude_m << '\n';
   }

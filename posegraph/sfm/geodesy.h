@@ -3,22 +3,15 @@
 
 #include <Eigen/Core>
 
-#include "posegraph/sfm/reconstruction.h"
+#include "frontend/geometry/geo_position.h"
 
 namespace fabloop {
 
-/// A place on Earth.
-struct GeoPoint {
-  double latitude_deg = 0;
-  double longitude_deg = 0;
-  double altitude_m = 0;  ///< As the origin's it was computed from.
-};
-
 /// WGS 84 coordinates of a point in the local east-north-up frame about `origin`, exactly (Earth's curvature included).
-GeoPoint geo_from_local(const GeoOrigin& origin, const Eigen::Vector3d& x_in_local);
+GeoPosition geo_from_local(const GeoPosition& origin, const Eigen::Vector3d& x_in_local);
 
 /// Local east-north-up coordinates about `origin` of a place on Earth; the inverse of geo_from_local().
-Eigen::Vector3d local_from_geo(const GeoOrigin& origin, const GeoPoint& place);
+Eigen::Vector3d local_from_geo(const GeoPosition& origin, const GeoPosition& place);
 
 /// The map grid (UTM, or UPS near the poles) about an origin. Near it, grid coordinates are
 /// (easting, northing) + scale * R(convergence) * (east, north), with errors of a few centimetres per kilometre and kilometre.
@@ -31,6 +24,6 @@ struct MapGrid {
 };
 
 /// The map grid at `origin`, in the standard zone of its place. Throws InputError when the origin is no place on Earth.
-MapGrid map_grid_at(const GeoOrigin& origin);
+MapGrid map_grid_at(const GeoPosition& origin);
 
 }  // namespace fabloop

@@ -10,23 +10,11 @@
 #include <string_view>
 
 #include "frontend/error.h"
+#include "frontend/sequence/exif.h"
+#include "posegraph/sfm/geodesy.h"
 
 namespace fabloop {
 namespace {
-
-/// Earth-centred, earth-fixed coordinates on the WGS 84 ellipsoid (National Imagery and Mapping Agency, TR8350.2, eq. 4-14).
-Eigen::Vector3d earth_centred(const GeoPosition& position) {
-  constexpr double kSemiMajorAxis_m = 6378137.0;
-  constexpr double kFlattening = 1.0 / 298.257223563;
-  constexpr double kSquaredEccentricity = kFlattening * (2.0 - kFlattening);
-  const double latitude = rad_from_deg(position.latitude_deg);
-  const double longitude = rad_from_deg(position.longitude_deg);
-  const double sine = std::sin(latitude);
-  const double normal_radius = kSemiMajorAxis_m / std::sqrt(1.0 - kSquaredEccentricity * sine * sine);
-  const double across = (normal_radius + position.altitude_m) * std::cos(latitude);
-  return {across * std::cos(longitude), across * std::sin(longitude),
-          (normal_radius * (1.0 - kSquaredEccentricity) + position.altitude_m) * sine};
-}
 
 std::optional<double> number(std::string_view text) {
   const auto first = text.find_first_not_of(" \t");
@@ -53,20 +41,6 @@ std::optional<GeoPosition> parse(std::string_view numbers) {
 }
 
 }  // namespace
-
-Eigen::Vector3d east_north_up(const GeoPosition& position, const GeoOrigin& origin) {
-  const Eigen::Vector3d offset =
-      earth_centred(position) - earth_centred({origin.latitude_deg, origin.longitude_deg, origin.altitude_m});
-  const double sin_lat = std::sin(rad_from_deg(origin.latitude_deg));
-  const double cos_lat = std::cos(rad_from_deg(origin.latitude_deg));
-  const double sin_lon = std::sin(rad_from_deg(origin.longitude_deg));
-  const double cos_lon = std::cos(rad_from_deg(origin.longitude_deg));
-  Eigen::Matrix3d local_from_earth;
-  local_from_earth << -sin_lon, cos_lon, 0,             //
-      -sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat,  //
-      cos_lat * cos_lon, cos_lat * sin_lon, sin_lat;
-  return local_from_earth * offset;
-}
 
 std::vector<std::optional<GeoPosition>> read_gps(const std::filesystem::path& path, const Sequence& sequence) {
   std::ifstream file(path);
@@ -105,9 +79,9 @@ LocalPositions local_positions(const std::vector<std::optional<GeoPosition>>& po
   local.east_north_up_m.resize(positions.size());
   const auto first = std::find_if(positions.begin(), positions.end(), [](const auto& p) { return p.has_value(); });
   if (first == positions.end()) return local;
-  local.origin = {(*first)->latitude_deg, (*first)->longitude_deg, (*first)->altitude_m};
+  local.origin = **first;
   for (std::size_t i = 0; i < positions.size(); ++i) {
-    if (positions[i]) local.east_north_up_m[i] = east_north_up(*positions[i], local.origin);
+    if (positions[i]) local.east_north_up_m[i] = local_from_geo(local.origin, *positions[i]);
   }
   return local;
 }

@@ -6,14 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "frontend/sequence/exif.h"
+#include "frontend/geometry/geo_position.h"
 #include "frontend/sequence/sequence.h"
-#include "posegraph/sfm/reconstruction.h"
 
 namespace fabloop {
-
-/// Metres east, north and up of an origin, in the plane that touches the ellipsoid there.
-Eigen::Vector3d east_north_up(const GeoPosition& position, const GeoOrigin& origin);
 
 /// Reads lines `filename,latitude_deg,longitude_deg,altitude_m` (`#` comments): one position a frame of the sequence where the
 /// file names its image. Throws InputError naming file and line, and when the file names none of the images.
@@ -24,7 +20,7 @@ std::vector<std::optional<GeoPosition>> gps_from_exif(const Sequence& sequence);
 
 /// Positions of frames in one east-north-up frame about the first known one.
 struct LocalPositions {
-  GeoOrigin origin;
+  GeoPosition origin;
   std::vector<std::optional<Eigen::Vector3d>> east_north_up_m;
 };
 

@@ -39,7 +39,7 @@ struct ReconstructOptions {
   CameraCheckOptions camera_check;
   /// Positions of the frames (one a frame, where known): GPS in an east-north-up frame, or an odometry's. Empty: none.
   std::vector<std::optional<Eigen::Vector3d>> known_positions{};
-  std::optional<GeoOrigin> origin{};  ///< Of the positions, where they are on Earth.
+  std::optional<GeoPosition> origin{};  ///< Of the positions, where they are on Earth.
   PositionUse position_use = PositionUse::Witness;
   GeoreferenceOptions georeference;
   double max_error_px = 3.0;  ///< Of a sighting in the result.

@@ -10,16 +10,10 @@
 #include <vector>
 
 #include "frontend/geometry/camera.h"
+#include "frontend/geometry/geo_position.h"
 #include "frontend/geometry/pose.h"
 
 namespace fabloop {
-
-/// Where the origin of a local east-north-up frame is on the WGS 84 ellipsoid.
-struct GeoOrigin {
-  double latitude_deg = 0;
-  double longitude_deg = 0;
-  double altitude_m = 0;  ///< Above the ellipsoid, or above whatever the GPS file counted from: never mixed.
-};
 
 /// What one unit of a reconstruction's coordinates is.
 enum class LengthUnit {
@@ -55,7 +49,7 @@ struct Reconstruction {
   std::vector<PlacedImage> images;  ///< In the sequence's order; images without a place are absent.
   std::vector<ScenePoint> points;
   LengthUnit unit = LengthUnit::Arbitrary;
-  std::optional<GeoOrigin> origin;  ///< Where the world is east-north-up about a place on Earth (then in metres).
+  std::optional<GeoPosition> origin;  ///< Where the world is east-north-up about a place on Earth (then in metres).
 };
 
 }  // namespace fabloop

@@ -12,6 +12,7 @@
 #include "frontend/error.h"
 #include "frontend/sequence/trajectory.h"
 #include "posegraph/g2o_io.h"
+#include "posegraph/sfm/colmap_io.h"
 #include "posegraph/sfm/reconstruction_graph.h"
 #include "posegraph/sfm/reconstruction_picture.h"
 #include "posegraph/sfm/reconstruction_summary.h"
@@ -92,6 +93,7 @@ void write_reconstruction_folder(const std::filesystem::path& path, const Sequen
   write_tum(part / "trajectory.tum", trajectory_of(result.reconstruction));
   write_frames_csv(part / "frames.csv", sequence);
   write_points_ply(part / "points.ply", result.reconstruction);
+  write_colmap_model(part / "colmap", result.reconstruction);
   write_g2o(part / "graph.g2o", reconstruction_graph(result));
   write_loops_csv(part / "loops.csv", result);
   write_picture(part / "map.png", result);

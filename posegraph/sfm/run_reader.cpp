@@ -6,12 +6,14 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "frontend/csv_lines.h"
 #include "frontend/error.h"
 #include "frontend/sequence/association.h"
 #include "frontend/sequence/sequence.h"
+#include "posegraph/sfm/colmap_io.h"
 
 namespace fabloop {
 namespace {
@@ -87,17 +89,18 @@ std::vector<ScenePoint> read_points_ply(const fs::path& path) {
   return points;
 }
 
-MapRun read_map_run(const fs::path& run, const fs::path& sequence_folder, const RunReadOptions& options) {
-  MapRun result;
+namespace {
+
+/// Cameras, images and points of a run that has no COLMAP model.
+Reconstruction read_map(const fs::path& run, const fs::path& sequence_folder, const RunReadOptions& options) {
   const Trajectory trajectory = read_tum(run / "trajectory.tum");
   const Sequence sequence = read_sequence(sequence_folder, {.camera = options.camera, .warn = options.warn});
   std::vector<std::int64_t> times_ns;
   for (const Frame& frame : sequence.frames) times_ns.push_back(frame.time_ns);
   constexpr std::int64_t kSameTimeNs = 10'000'000;
   const auto poses = poses_at(trajectory, times_ns, kSameTimeNs);
-  Reconstruction& reconstruction = result.reconstruction;
+  Reconstruction reconstruction;
   reconstruction.cameras = {sequence.camera};
-  reconstruction.unit = LengthUnit::Metres;
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (poses[i]) reconstruction.images.push_back({i, sequence.frames[i].image_path, times_ns[i], 0, *poses[i]});
   }
@@ -106,6 +109,32 @@ MapRun read_map_run(const fs::path& run, const fs::path& sequence_folder, const 
                      "; are these the run's images?");
   }
   reconstruction.points = read_points_ply(run / "points.ply");
+  return reconstruction;
+}
+
+/// What the summary says of unit and place; a map with odometry is in metres, and says nothing.
+void take_unit_and_place(const fs::path& summary_path, Reconstruction& reconstruction) {
+  reconstruction.unit = LengthUnit::Metres;
+  std::ifstream file(summary_path);
+  if (!file) return;
+  const auto summary = nlohmann::json::parse(file, nullptr, false);
+  if (summary.is_discarded()) throw InputError(summary_path.string() + ": is no JSON; copy the run again");
+  if (summary.value("unit", "metres") == "arbitrary") reconstruction.unit = LengthUnit::Arbitrary;
+  const nlohmann::json::json_pointer place("/georeference/origin");
+  if (!summary.contains(place)) return;
+  const auto& origin = summary.at(place);
+  reconstruction.origin = GeoPosition{origin.value("latitude_deg", 0.0), origin.value("longitude_deg", 0.0),
+                                      origin.value("altitude_m", 0.0)};
+}
+
+}  // namespace
+
+MapRun read_map_run(const fs::path& run, const fs::path& sequence_folder, const RunReadOptions& options) {
+  MapRun result;
+  const fs::path model = run / "colmap";
+  result.reconstruction = fs::exists(model / "cameras.txt") ? read_colmap_model(model, sequence_folder)
+                                                            : read_map(run, sequence_folder, options);
+  take_unit_and_place(run / "summary.json", result.reconstruction);
   if (fs::exists(run / "trajectory_odometry.tum")) result.odometry = read_tum(run / "trajectory_odometry.tum");
   if (fs::exists(run / "loops.csv")) result.loops = read_accepted_loops(run / "loops.csv");
   return result;

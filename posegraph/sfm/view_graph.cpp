@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "frontend/features/spatially_even.h"
 #include "frontend/parallel.h"
 #include "verification/evidence.h"
 #include "verification/match_consistency.h"
@@ -17,14 +18,6 @@
 
 namespace fabloop {
 namespace {
-
-Features first_features(const Features& features, std::size_t count) {
-  Features first = features;
-  const std::size_t kept = std::min(count, features.keypoints.size());
-  first.keypoints.resize(kept);
-  first.descriptors = features.descriptors.rowRange(0, static_cast<int>(kept));
-  return first;
-}
 
 bool is_worth_a_closer_look(const Features& query, const Features& match, const ViewGraphOptions& options) {
   if (options.num_first_features == 0) return true;

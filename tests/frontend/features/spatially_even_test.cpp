@@ -74,5 +74,23 @@ TEST(SpatiallyEven, KeypointsOutsideTheImageBelongToItsBorder) {
   EXPECT_EQ(spatially_even(keypoints, {1000, 1000}, 50).size(), 50u);
 }
 
+TEST(FirstFeatures, KeepKeypointsAndDescriptorsTogether) {
+  Features features;
+  features.descriptor_kind = DescriptorKind::Orb;
+  features.descriptors = cv::Mat(3, 32, CV_8U);
+  for (int i = 0; i < 3; ++i) {
+    features.keypoints.push_back(keypoint(static_cast<float>(i), 0, 1));
+    features.descriptors.row(i) = cv::Scalar(i);
+  }
+  const Features two = first_features(features, 2);
+  ASSERT_EQ(two.keypoints.size(), 2u);
+  EXPECT_EQ(two.descriptor_kind, DescriptorKind::Orb);
+  ASSERT_EQ(two.descriptors.rows, 2);
+  EXPECT_EQ(two.keypoints[1].pt.x, 1.0F);
+  EXPECT_EQ(two.descriptors.at<std::uint8_t>(1, 31), 1);
+  EXPECT_EQ(first_features(features, 9).keypoints.size(), 3u);
+  EXPECT_EQ(first_features(features, 0).descriptors.rows, 0);
+}
+
 }  // namespace
 }  // namespace fabloop

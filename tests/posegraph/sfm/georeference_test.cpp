@@ -7,6 +7,7 @@
 #include <random>
 
 #include "frontend/error.h"
+#include "posegraph/sfm/geodesy.h"
 #include "posegraph/sfm/gps.h"
 #include "tests/posegraph/scratch_folder.h"
 
@@ -72,13 +73,13 @@ TEST(Georeference, MovesASegmentAsASimilarity) {
 TEST(EastNorthUp, AgreesWithTheEllipsoidsRadii) {
   // At 45 degrees north: 1e-4 degrees are 11.1132 m north (meridian radius 6367381.8 m) and 7.8847 m east (normal radius
   // 6388838.3 m).
-  const GeoOrigin origin{45.0, 7.0, 300.0};
-  const Eigen::Vector3d north = east_north_up({45.0001, 7.0, 300.0}, origin);
+  const GeoPosition origin{45.0, 7.0, 300.0};
+  const Eigen::Vector3d north = local_from_geo(origin, {45.0001, 7.0, 300.0});
   EXPECT_NEAR(north.y(), (6367381.8156 + 300) * rad_from_deg(1e-4), 1e-4);
   EXPECT_NEAR(north.x(), 0, 1e-9);
-  const Eigen::Vector3d east = east_north_up({45.0, 7.0001, 300.0}, origin);
+  const Eigen::Vector3d east = local_from_geo(origin, {45.0, 7.0001, 300.0});
   EXPECT_NEAR(east.x(), (6388838.2901 + 300) * std::cos(rad_from_deg(45.0)) * rad_from_deg(1e-4), 1e-4);
-  EXPECT_NEAR(east_north_up({45.0, 7.0, 312.5}, origin).z(), 12.5, 1e-8);
+  EXPECT_NEAR(local_from_geo(origin, {45.0, 7.0, 312.5}).z(), 12.5, 1e-8);
 }
 
 TEST(ReadGps, GivesEachImageItsPositionAndNamesBadLines) {

@@ -12,6 +12,7 @@
 #include "posegraph/loop_truth.h"
 #include "posegraph/sfm/reconstruction_folder.h"
 #include "posegraph/sfm/reconstruction_graph.h"
+#include "posegraph/sfm/run_reader.h"
 #include "posegraph/trajectory_error.h"
 #include "tests/posegraph/scratch_folder.h"
 #include "tests/support/tiny_sequence.h"
@@ -130,6 +131,12 @@ TEST(ReconstructionFolder, HasThePublicFiles) {
   EXPECT_EQ(summary["frames"]["mapped"], sequence.frames.size());
   EXPECT_EQ(summary["mean_reprojection_error_px"], tiny_reconstruction().mean_error_px);
   EXPECT_LT(summary["ate"]["final"]["rmse_m"], 0.5);
+  const Reconstruction read = read_map_run(run, sequence.frames.front().image_path.parent_path()).reconstruction;
+  EXPECT_EQ(read.unit, LengthUnit::Arbitrary);
+  ASSERT_EQ(read.images.size(), tiny_reconstruction().reconstruction.images.size());
+  EXPECT_EQ(read.images.back().frame, tiny_reconstruction().reconstruction.images.back().frame);
+  ASSERT_EQ(read.points.size(), tiny_reconstruction().reconstruction.points.size());
+  EXPECT_EQ(read.points.front().track.size(), tiny_reconstruction().reconstruction.points.front().track.size());
 }
 
 }  // namespace

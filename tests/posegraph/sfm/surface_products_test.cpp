@@ -28,7 +28,7 @@ using test::ScratchFolder;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-const GeoOrigin kBrisbane{-27.4773, 153.0271, 30};  // the southern hemisphere, east of its zone's meridian
+const GeoPosition kBrisbane{-27.4773, 153.0271, 30};  // the southern hemisphere, east of its zone's meridian
 
 std::string text_of(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
@@ -58,7 +58,7 @@ TEST(Geodesy, TheMapGridAgreesWithTheExactProjectionNearby) {
   const MapGrid grid = map_grid_at(kBrisbane);
   EXPECT_EQ(grid.epsg, 32756);
   const Eigen::Vector3d x(400, -300, 0);
-  const GeoPoint place = geo_from_local(kBrisbane, x);
+  const GeoPosition place = geo_from_local(kBrisbane, x);
   EXPECT_LT((local_from_geo(kBrisbane, place) - x).norm(), 1e-6);
   int zone = 0;
   bool is_north = false;
