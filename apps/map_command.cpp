@@ -71,7 +71,8 @@ void take_positions(const MapArguments& arguments, const Sequence& sequence, Rec
   namespace fs = std::filesystem;
   if (!arguments.odometry.empty()) {
     for (const Frame& frame : sequence.frames) {
-      options.known_positions.push_back(frame.odom_from_camera ? std::optional(frame.odom_from_camera->translation) : std::nullopt);
+      options.known_positions.push_back(frame.odom_from_camera ? std::optional(frame.odom_from_camera->translation)
+                                                               : std::nullopt);
     }
     options.position_use = PositionUse::Align;
     return;
@@ -166,7 +167,8 @@ void run_map(MapArguments& arguments, const CommonOptions& common) {
 
 void add_input_options(CLI::App* command, MapArguments& arguments) {
   command->add_option("SEQUENCE", arguments.sequence, "folder with the images (itself or in images/)")->required();
-  command->add_option("--odometry", arguments.odometry, "TUM file: t tx ty tz qx qy qz qw, world_from_camera (default: none; structure from motion)");
+  command->add_option("--odometry", arguments.odometry,
+                      "TUM file: t tx ty tz qx qy qz qw, world_from_camera (default: none; structure from motion)");
   command->add_option("--model", arguments.model, "model of `fabloop train` (default: train on the sequence itself)");
   command->add_option("--reference", arguments.reference, "TUM file to compare with (default: reference.tum in the folder)");
   command->add_option("--camera", arguments.camera, "calibration file (default: camera.yaml in the folder, else EXIF)");
@@ -196,7 +198,8 @@ void add_reconstruction_options(CLI::App* command, MapArguments& arguments) {
       ->capture_default_str();
   command->add_option("--gps-neighbours", arguments.gps_neighbours, "compare each image with so many of the nearest by GPS, too")
       ->capture_default_str();
-  command->add_option("--refine", arguments.refine, "without odometry: what of the camera to refine where the images determine it")
+  command
+      ->add_option("--refine", arguments.refine, "without odometry: what of the camera to refine where the images determine it")
       ->check(CLI::IsMember({"nothing", "focal", "focal-radial"}))
       ->capture_default_str();
 }

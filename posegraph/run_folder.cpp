@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "posegraph/run_folder.h"
 
-#include <array>
-#include <bit>
-#include <cstring>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -11,6 +9,7 @@
 #include "posegraph/g2o_io.h"
 #include "posegraph/inlier_file.h"
 #include "posegraph/map_picture.h"
+#include "posegraph/ply.h"
 #include "posegraph/run_summary.h"
 #include "verification/ledger.h"
 
@@ -23,23 +22,6 @@ Trajectory reference_of(const Sequence& sequence) {
     if (frame.world_from_camera) reference.push_back({frame.time_ns, *frame.world_from_camera});
   }
   return reference;
-}
-
-void write_frames_csv(const std::filesystem::path& path, const Sequence& sequence) {
-  OutputFile file(path);
-  file.stream() << "# filename,timestamp_s\n";
-  for (const Frame& frame : sequence.frames) {
-    file.stream() << frame.image_path.filename().string() << ',' << seconds_from_nanoseconds(frame.time_ns) << '\n';
-  }
-  file.commit();
-}
-
-void append_float(std::string& bytes, double value) {
-  static_assert(std::endian::native == std::endian::little, "the PLY header promises little-endian numbers");
-  const auto as_float = static_cast<float>(value);
-  std::array<char, sizeof(float)> raw{};
-  std::memcpy(raw.data(), &as_float, sizeof(float));
-  bytes.append(raw.data(), raw.size());
 }
 
 }  // namespace
@@ -73,26 +55,24 @@ void write_loops_csv(const std::filesystem::path& path, const Map& map) {
 }
 
 void write_points_ply(const std::filesystem::path& path, const Map& map) {
-  std::string bytes;
-  std::size_t num_points = 0;
+  std::vector<ColouredPoint> points;
   for (std::size_t v = 0; v < map.views.size(); ++v) {
     const Pose& world_from_camera = map.graph.vertices[v].world_from_frame;
     for (std::size_t i = 0; i < map.views[v].points_in_camera.size(); ++i) {
       const auto& x_in_camera = map.views[v].points_in_camera[i];
-      if (!x_in_camera) continue;
-      const Eigen::Vector3d x_in_world = world_from_camera * *x_in_camera;
-      for (const double value : {x_in_world.x(), x_in_world.y(), x_in_world.z()}) append_float(bytes, value);
-      bytes.append(3, static_cast<char>(map.grey[v][i]));
-      ++num_points;
+      const std::uint8_t grey = map.grey[v][i];
+      if (x_in_camera) points.push_back({world_from_camera * *x_in_camera, {grey, grey, grey}});
     }
   }
+  write_ply(path, points, "world of trajectory.tum, metres of the odometry");
+}
+
+void write_frames_csv(const std::filesystem::path& path, const Sequence& sequence) {
   OutputFile file(path);
-  file.stream()
-      << "ply\nformat binary_little_endian 1.0\ncomment world of trajectory.tum, metres of the odometry\nelement vertex "
-      << num_points
-      << "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
-         "property uchar blue\nend_header\n";
-  file.stream().write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  file.stream() << "# filename,timestamp_s\n";
+  for (const Frame& frame : sequence.frames) {
+    file.stream() << frame.image_path.filename().string() << ',' << seconds_from_nanoseconds(frame.time_ns) << '\n';
+  }
   file.commit();
 }
 

@@ -40,6 +40,9 @@ void write_run_folder(const std::filesystem::path& path, const Sequence& sequenc
 /// the figures of the gates.
 void write_loops_csv(const std::filesystem::path& path, const Map& map);
 
+/// Every frame of a sequence, in its order: `filename,timestamp_s`.
+void write_frames_csv(const std::filesystem::path& path, const Sequence& sequence);
+
 /// All triangulated points in the world, grey as in their image (binary PLY: float x y z, uchar red green blue).
 void write_points_ply(const std::filesystem::path& path, const Map& map);
 

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "posegraph/sfm/reconstruction_folder.h"
 
-#include <array>
-#include <bit>
-#include <cstring>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <utility>
@@ -12,6 +9,8 @@
 #include "frontend/error.h"
 #include "frontend/sequence/trajectory.h"
 #include "posegraph/g2o_io.h"
+#include "posegraph/ply.h"
+#include "posegraph/run_folder.h"
 #include "posegraph/sfm/colmap_io.h"
 #include "posegraph/sfm/reconstruction_graph.h"
 #include "posegraph/sfm/reconstruction_picture.h"
@@ -20,23 +19,6 @@
 
 namespace fabloop {
 namespace {
-
-void append_float(std::string& bytes, double value) {
-  static_assert(std::endian::native == std::endian::little, "the PLY header promises little-endian numbers");
-  const auto as_float = static_cast<float>(value);
-  std::array<char, sizeof(float)> raw{};
-  std::memcpy(raw.data(), &as_float, sizeof(float));
-  bytes.append(raw.data(), raw.size());
-}
-
-void write_frames_csv(const std::filesystem::path& path, const Sequence& sequence) {
-  OutputFile file(path);
-  file.stream() << "# filename,timestamp_s\n";
-  for (const Frame& frame : sequence.frames) {
-    file.stream() << frame.image_path.filename().string() << ',' << seconds_from_nanoseconds(frame.time_ns) << '\n';
-  }
-  file.commit();
-}
 
 void write_loops_csv(const std::filesystem::path& path, const Reconstructed& result) {
   OutputFile file(path);
@@ -72,18 +54,9 @@ Trajectory trajectory_of(const Reconstruction& reconstruction) {
 }
 
 void write_points_ply(const std::filesystem::path& path, const Reconstruction& reconstruction) {
-  std::string bytes;
-  for (const ScenePoint& point : reconstruction.points) {
-    for (const double value : {point.x_in_world.x(), point.x_in_world.y(), point.x_in_world.z()}) append_float(bytes, value);
-    for (int i = 0; i < 3; ++i) bytes.push_back(static_cast<char>(point.red_green_blue[i]));
-  }
-  OutputFile file(path);
-  file.stream() << "ply\nformat binary_little_endian 1.0\ncomment world of trajectory.tum\nelement vertex "
-                << reconstruction.points.size()
-                << "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\n"
-                   "property uchar blue\nend_header\n";
-  file.stream().write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  file.commit();
+  std::vector<ColouredPoint> points;
+  for (const ScenePoint& point : reconstruction.points) points.push_back({point.x_in_world, point.red_green_blue});
+  write_ply(path, points, "world of trajectory.tum");
 }
 
 void write_reconstruction_folder(const std::filesystem::path& path, const Sequence& sequence, const Reconstructed& result,

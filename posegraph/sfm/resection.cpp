@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "verification/absolute_pose.h"
-#include "verification/verifier.h"
+#include "verification/pair_seed.h"
 
 namespace fabloop {
 

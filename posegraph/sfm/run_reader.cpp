@@ -123,8 +123,8 @@ void take_unit_and_place(const fs::path& summary_path, Reconstruction& reconstru
   const nlohmann::json::json_pointer place("/georeference/origin");
   if (!summary.contains(place)) return;
   const auto& origin = summary.at(place);
-  reconstruction.origin = GeoPosition{origin.value("latitude_deg", 0.0), origin.value("longitude_deg", 0.0),
-                                      origin.value("altitude_m", 0.0)};
+  reconstruction.origin =
+      GeoPosition{origin.value("latitude_deg", 0.0), origin.value("longitude_deg", 0.0), origin.value("altitude_m", 0.0)};
 }
 
 }  // namespace
@@ -132,8 +132,8 @@ void take_unit_and_place(const fs::path& summary_path, Reconstruction& reconstru
 MapRun read_map_run(const fs::path& run, const fs::path& sequence_folder, const RunReadOptions& options) {
   MapRun result;
   const fs::path model = run / "colmap";
-  result.reconstruction = fs::exists(model / "cameras.txt") ? read_colmap_model(model, sequence_folder)
-                                                            : read_map(run, sequence_folder, options);
+  result.reconstruction =
+      fs::exists(model / "cameras.txt") ? read_colmap_model(model, sequence_folder) : read_map(run, sequence_folder, options);
   take_unit_and_place(run / "summary.json", result.reconstruction);
   if (fs::exists(run / "trajectory_odometry.tum")) result.odometry = read_tum(run / "trajectory_odometry.tum");
   if (fs::exists(run / "loops.csv")) result.loops = read_accepted_loops(run / "loops.csv");

@@ -26,7 +26,8 @@ struct RunReadOptions {
 
 /// Reads the folder that `fabloop map` writes (trajectory.tum and points.ply; trajectory_odometry.tum and loops.csv where they
 /// are there) with the images of its sequence, whose times are matched to the trajectory's; of a run from images alone its
-/// `colmap/`, with the camera as it was refined. Unit and place on Earth are what summary.json says. Throws InputError naming the file.
+/// `colmap/`, with the camera as it was refined. Unit and place on Earth are what summary.json says. Throws InputError naming the
+/// file.
 MapRun read_map_run(const std::filesystem::path& run, const std::filesystem::path& sequence, const RunReadOptions& options = {});
 
 /// Reads points with colours from PLY as `fabloop map` writes it: binary little-endian, float x y z, uchar red green blue.

@@ -2,29 +2,23 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
-#include <cstdint>
+#include <cstddef>
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
 #include "frontend/geometry/pose.h"
+#include "posegraph/ply.h"
 #include "posegraph/sfm/height_field.h"
 
 namespace fabloop {
 
-/// A point or a vertex with its colour.
-struct ColouredPoint {
-  Eigen::Vector3d x_in_world;
-  cv::Vec3b red_green_blue;
-};
-
 /// Triangles over coloured vertices; where they lie on a picture, in [0, 1] with v upwards.
 struct SurfaceMesh {
   std::vector<ColouredPoint> vertices;
-  std::vector<Eigen::Vector2d> texture_at;              ///< One a vertex.
-  std::vector<std::array<std::uint32_t, 3>> triangles;  ///< Counter-clockwise seen from above.
+  std::vector<Eigen::Vector2d> texture_at;  ///< One a vertex.
+  Triangles triangles;                      ///< Counter-clockwise seen from above.
 };
 
 /// A picture of the ground: what an orthomosaic is.
@@ -41,12 +35,6 @@ SurfaceMesh mesh_of(const HeightField& surface, const GroundPicture& picture, co
 /// The surface's cells that the images agreed on as points of at most about `max_points`, in the world's frame.
 std::vector<ColouredPoint> dense_points(const HeightField& surface, const GroundPicture& picture, const Pose& world_from_ground,
                                         std::size_t max_points);
-
-/// Writes binary PLY: float x y z, uchar red green blue.
-void write_ply(const std::filesystem::path& path, const std::vector<ColouredPoint>& points, const std::string& comment);
-
-/// Writes binary PLY with vertices as above and triangles (`vertex_indices`).
-void write_ply(const std::filesystem::path& path, const SurfaceMesh& mesh, const std::string& comment);
 
 /// Writes `path` (.obj), and beside it the material (.mtl), which names `texture_file`.
 void write_obj(const std::filesystem::path& path, const SurfaceMesh& mesh, const std::string& texture_file,

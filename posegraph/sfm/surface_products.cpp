@@ -119,7 +119,7 @@ void write_meshes(const fs::path& folder, const HeightField& surface, const Orth
                   const std::string& comment, const SurfaceProductsOptions& options) {
   const GroundPicture picture{mosaic.grid, mosaic.colour, mosaic.shown};
   const SurfaceMesh mesh = mesh_of(surface, picture, world_from_ground, options.max_mesh_vertices);
-  write_ply(folder / "mesh.ply", mesh, comment);
+  write_ply(folder / "mesh.ply", mesh.vertices, mesh.triangles, comment);
   write_obj(folder / "mesh.obj", mesh, "texture.jpg", comment);
   write_texture(folder / "texture.jpg", mosaic);
   write_ply(folder / "points.ply", dense_points(surface, picture, world_from_ground, options.max_dense_points), comment);

@@ -10,11 +10,11 @@
 #include "frontend/parallel.h"
 #include "verification/evidence.h"
 #include "verification/match_consistency.h"
+#include "verification/pair_seed.h"
 #include "verification/planar_ambiguity.h"
 #include "verification/ray_pairs.h"
 #include "verification/relative_pose.h"
 #include "verification/similar_group.h"
-#include "verification/verifier.h"
 
 namespace fabloop {
 namespace {

@@ -145,8 +145,9 @@ inline double centre_error(const SyntheticScene& truth, const std::vector<std::o
     reference.rightCols<1>() = truth.world_from_cameras[i].translation;
   }
   const auto by = align_points(estimate, reference, Alignment::Sim3);
-  const Eigen::Matrix3Xd moved = (by->scale * by->rotation * estimate).colwise() + by->translation;
-  return std::sqrt((moved - reference).squaredNorm() / static_cast<double>(reference.cols()));
+  double squares = 0;
+  for (Eigen::Index i = 0; i < estimate.cols(); ++i) squares += (*by * estimate.col(i) - reference.col(i)).squaredNorm();
+  return std::sqrt(squares / static_cast<double>(reference.cols()));
 }
 
 }  // namespace fabloop::test
