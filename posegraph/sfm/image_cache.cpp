@@ -38,23 +38,35 @@ ImageCache::ImageCache(const Reconstruction& reconstruction, std::size_t budget_
 
 std::shared_ptr<const ImagePyramid> ImageCache::get(std::size_t image) {
   {
-    const std::scoped_lock lock(mutex_);
+    std::unique_lock lock(mutex_);
+    is_read_.wait(lock, [&] { return !being_read_.contains(image); });
     if (const auto found = entries_.find(image); found != entries_.end()) {
       uses_.splice(uses_.begin(), uses_, found->second.use);
       return found->second.pyramid;
     }
+    being_read_.insert(image);
     ++num_reads_;
   }
-  // Decoded outside of the lock: other threads go on with what is there.
-  const PlacedImage& placed = reconstruction_.images[image];
-  const auto pyramid = make_pyramid(read_colour_image(placed.image_path, reconstruction_.cameras[placed.camera]));
-  const std::scoped_lock lock(mutex_);
-  insert(image, pyramid);
+  // Decoded outside of the lock: threads that want other images go on.
+  std::shared_ptr<const ImagePyramid> pyramid;
+  const auto finish = [&] {
+    const std::scoped_lock lock(mutex_);
+    being_read_.erase(image);
+    if (pyramid) insert(image, pyramid);
+    is_read_.notify_all();
+  };
+  try {
+    const PlacedImage& placed = reconstruction_.images[image];
+    pyramid = make_pyramid(read_colour_image(placed.image_path, reconstruction_.cameras[placed.camera]));
+  } catch (...) {
+    finish();
+    throw;
+  }
+  finish();
   return pyramid;
 }
 
 void ImageCache::insert(std::size_t image, const std::shared_ptr<const ImagePyramid>& pyramid) {
-  if (entries_.contains(image)) return;  // another thread was quicker
   bytes_ += bytes_of(*pyramid);
   uses_.push_front(image);
   entries_[image] = {pyramid, uses_.begin()};

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <condition_variable>
 #include <cstddef>
 #include <list>
 #include <memory>
 #include <mutex>
 #include <opencv2/core.hpp>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include "posegraph/sfm/reconstruction.h"
@@ -52,6 +54,8 @@ class ImageCache {
   const Reconstruction& reconstruction_;
   std::size_t budget_bytes_;
   mutable std::mutex mutex_;
+  std::condition_variable is_read_;
+  std::unordered_set<std::size_t> being_read_;  ///< By a thread that others wait for.
   std::unordered_map<std::size_t, Entry> entries_;
   std::list<std::size_t> uses_;  ///< The latest first.
   std::size_t bytes_ = 0;
