@@ -5,13 +5,11 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
 
-#include "frontend/error.h"
-#include "frontend/output_file.h"
+#include "frontend/recognition/plot.h"
 #include "posegraph/run_folder.h"
 
 namespace fabloop {
@@ -219,12 +217,7 @@ cv::Mat draw_map(const Sequence& sequence, const Map& map) {
 }
 
 void write_map_picture(const std::filesystem::path& path, const Sequence& sequence, const Map& map) {
-  std::vector<unsigned char> bytes;
-  if (!cv::imencode(".png", draw_map(sequence, map), bytes))
-    throw InputError(path.string() + ": the picture could not be encoded as PNG");
-  OutputFile file(path);
-  file.stream().write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  file.commit();
+  write_png(path, draw_map(sequence, map));
 }
 
 }  // namespace fabloop

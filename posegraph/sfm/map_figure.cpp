@@ -4,11 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "frontend/error.h"
-#include "posegraph/sfm/raster_output.h"
+#include "frontend/recognition/plot.h"
 #include "posegraph/trajectory_error.h"
 
 namespace fabloop {
@@ -252,12 +250,6 @@ cv::Mat3b draw_map_figure(const MapFigure& figure) {
   return picture;
 }
 
-void write_map_figure(const std::filesystem::path& path, const MapFigure& figure) {
-  std::vector<unsigned char> bytes;
-  if (!cv::imencode(".png", draw_map_figure(figure), bytes)) {
-    throw InputError(path.string() + ": the picture could not be encoded as PNG");
-  }
-  write_bytes(path, {bytes.begin(), bytes.end()});
-}
+void write_map_figure(const std::filesystem::path& path, const MapFigure& figure) { write_png(path, draw_map_figure(figure)); }
 
 }  // namespace fabloop

@@ -17,20 +17,6 @@ namespace {
 
 constexpr int kTile = 512;
 
-/// Everything that tiles are made from.
-struct Making {
-  const GroundGrid& grid;
-  const HeightField& surface;
-  const std::vector<GroundView>& views;
-  const std::vector<std::size_t>& camera_of;
-  ImageCache& images;
-  const MosaicBlocks& blocks;
-  const Exposure& exposure;
-  const Seams& seams;
-  const cv::Mat1b& shown;  ///< One a block.
-  int num_bands;
-};
-
 /// Blocks that enough views show, and the holes among them that any view shows.
 cv::Mat1b shown_blocks(const MosaicBlocks& blocks, int min_views) {
   // A frame of one block around, so that the outside is one region.
@@ -69,15 +55,15 @@ cv::Mat1f at_pixels(const cv::Mat1f& of_blocks, const cv::Rect& part) {
 }
 
 /// The view of each pixel of a part (-1: none): blocks' choices with their stairs smoothed.
-cv::Mat1i views_of_pixels(const Making& making, const cv::Rect& part) {
+cv::Mat1i views_of_pixels(const MosaicScene& scene, const cv::Rect& part) {
   const int side = MosaicBlocks::kSide;
-  const cv::Rect all(0, 0, making.blocks.grid.columns, making.blocks.grid.rows);
+  const cv::Rect all(0, 0, scene.blocks.grid.columns, scene.blocks.grid.rows);
   const cv::Rect around = cv::Rect(part.x / side - 1, part.y / side - 1, part.width / side + 3, part.height / side + 3) & all;
   std::map<int, cv::Mat1f> share;
   for (int row = around.y; row < around.y + around.height; ++row) {
     for (int column = around.x; column < around.x + around.width; ++column) {
-      const auto block = static_cast<std::size_t>(row) * making.blocks.grid.columns + column;
-      const auto view = making.shown(row, column) ? static_cast<int>(making.seams.view_of(making.blocks, block)) : -1;
+      const auto block = static_cast<std::size_t>(row) * scene.blocks.grid.columns + column;
+      const auto view = scene.shown(row, column) ? static_cast<int>(scene.seams.view_of(scene.blocks, block)) : -1;
       cv::Mat1f& its = share[view];
       if (its.empty()) its = cv::Mat1f(around.size(), 0.0F);
       its(row - around.y, column - around.x) = 1;
@@ -99,28 +85,28 @@ cv::Mat1i views_of_pixels(const Making& making, const cv::Rect& part) {
   return views;
 }
 
-void make_tile(const Making& making, const cv::Rect& kept, Orthomosaic& mosaic) {
-  const int halo = 4 << making.num_bands;  // what a seam reaches in the coarsest band
+void make_tile(const MosaicScene& scene, const cv::Rect& kept, int num_bands, Orthomosaic& mosaic) {
+  const int halo = 4 << num_bands;  // what a seam reaches in the coarsest band
   const cv::Rect tile = cv::Rect(kept.x - halo, kept.y - halo, kept.width + 2 * halo, kept.height + 2 * halo) &
-                        cv::Rect(0, 0, making.grid.columns, making.grid.rows);
-  const cv::Mat1i views = views_of_pixels(making, tile);
+                        cv::Rect(0, 0, scene.grid.columns, scene.grid.rows);
+  const cv::Mat1i views = views_of_pixels(scene, tile);
   std::map<int, cv::Rect> boxes;
   for (int row = 0; row < tile.height; ++row) {
     for (int column = 0; column < tile.width; ++column) boxes[views(row, column)] |= cv::Rect(column, row, 1, 1);
   }
   boxes.erase(-1);
   if (boxes.empty()) return;
-  const cv::Mat1f heights = heights_of(making.surface, making.grid, tile);
-  cv::detail::MultiBandBlender blender(0, making.num_bands, CV_32F);
+  const cv::Mat1f heights = heights_of(scene.surface, scene.grid, tile);
+  cv::detail::MultiBandBlender blender(0, num_bands, CV_32F);
   blender.prepare(cv::Rect(0, 0, tile.width, tile.height));
   for (const auto& [view, box] : boxes) {
     const cv::Rect wide = cv::Rect(box.x - halo, box.y - halo, box.width + 2 * halo, box.height + 2 * halo) &
                           cv::Rect(0, 0, tile.width, tile.height);
     const cv::Rect part(tile.x + wide.x, tile.y + wide.y, wide.width, wide.height);
     const auto index = static_cast<std::size_t>(view);
-    const auto pyramid = making.images.get(making.views[index].image());
+    const auto pyramid = scene.images.get(scene.views[index].image());
     cv::Mat3s patch;
-    lay_view(making.grid, part, heights(wide), making.views[index], *pyramid, making.exposure, index, making.camera_of[index])
+    lay_view(scene.grid, part, heights(wide), scene.views[index], *pyramid, scene.exposure, index, scene.camera_of[index])
         .convertTo(patch, CV_16S);
     blender.feed(patch, views(wide) == view, wide.tl());
   }
@@ -143,7 +129,7 @@ Orthomosaic make_orthomosaic(const GroundGrid& grid, const HeightField& surface,
   const Exposure exposure = equalise_exposure(blocks, camera_of, num_cameras);
   const Seams seams = find_seams(blocks, exposure, camera_of, options.seams);
   const cv::Mat1b shown = shown_blocks(blocks, options.min_views);
-  const Making making{grid, surface, views, camera_of, images, blocks, exposure, seams, shown, options.num_bands};
+  const MosaicScene scene{grid, surface, views, camera_of, images, blocks, exposure, seams, shown};
   Orthomosaic mosaic{grid,
                      cv::Mat3b(grid.rows, grid.columns, cv::Vec3b(0, 0, 0)),
                      cv::Mat1b(grid.rows, grid.columns, static_cast<unsigned char>(0)),
@@ -157,11 +143,11 @@ Orthomosaic make_orthomosaic(const GroundGrid& grid, const HeightField& surface,
   std::mutex mutex;
   std::size_t num_done = 0;
   parallel_for(tiles.size(), options.num_threads, [&](std::size_t i) {
-    make_tile(making, tiles[i], mosaic);
+    make_tile(scene, tiles[i], options.num_bands, mosaic);
     const std::scoped_lock lock(mutex);
     if (options.progress) options.progress("orthomosaic", ++num_done, tiles.size());
   });
-  mosaic.residual = measure_seams({grid, surface, views, camera_of, images, blocks, exposure, seams, shown}, options.num_threads);
+  mosaic.residual = measure_seams(scene, options.num_threads);
   return mosaic;
 }
 

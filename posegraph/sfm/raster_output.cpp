@@ -19,6 +19,7 @@
 
 #include "frontend/error.h"
 #include "frontend/output_file.h"
+#include "frontend/recognition/plot.h"
 
 namespace fabloop {
 namespace {
@@ -160,9 +161,7 @@ void write_png(const std::filesystem::path& path, const cv::Mat3b& colour, const
   channels.push_back(shown);
   cv::Mat4b picture;
   cv::merge(channels, picture);
-  std::vector<unsigned char> bytes;
-  if (!cv::imencode(".png", picture, bytes)) throw InputError(path.string() + ": the picture could not be encoded as PNG");
-  write_bytes(path, {bytes.begin(), bytes.end()});
+  write_png(path, picture);
 }
 
 void write_world_file(const std::filesystem::path& path, const GroundGrid& grid) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "posegraph/sfm/reconstruction_folder.h"
 
-#include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "frontend/error.h"
+#include "frontend/output_file.h"
+#include "frontend/recognition/plot.h"
 #include "frontend/sequence/trajectory.h"
 #include "posegraph/g2o_io.h"
 #include "posegraph/ply.h"
@@ -36,13 +36,7 @@ void write_picture(const std::filesystem::path& path, const Reconstructed& resul
       loops.emplace_back(shared.query, shared.match);
     }
   }
-  std::vector<std::uint8_t> png;
-  if (!cv::imencode(".png", draw_reconstruction(result.reconstruction, loops), png)) {
-    throw InputError(path.string() + ": the picture cannot be encoded as PNG");
-  }
-  OutputFile file(path);
-  file.stream().write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
-  file.commit();
+  write_png(path, draw_reconstruction(result.reconstruction, loops));
 }
 
 }  // namespace

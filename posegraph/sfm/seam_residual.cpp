@@ -26,7 +26,7 @@ bool shows(const MosaicBlocks& blocks, std::size_t block, std::int64_t view) {
                      [&](const BlockView& s) { return s.view == view && s.quality > 0.1F * seen[0].quality; });
 }
 
-std::vector<Place> seam_places(const SeamScene& scene) {
+std::vector<Place> seam_places(const MosaicScene& scene) {
   constexpr std::size_t kMaxPlaces = 600;
   std::vector<Place> places;
   const auto columns = static_cast<std::size_t>(scene.blocks.grid.columns);
@@ -47,7 +47,7 @@ std::vector<Place> seam_places(const SeamScene& scene) {
   return some;
 }
 
-std::optional<double> displacement_at(const SeamScene& scene, const Place& place) {
+std::optional<double> displacement_at(const MosaicScene& scene, const Place& place) {
   const auto columns = static_cast<std::size_t>(scene.blocks.grid.columns);
   const int x = static_cast<int>(place.block % columns) * MosaicBlocks::kSide + MosaicBlocks::kSide / 2;
   const int y = static_cast<int>(place.block / columns) * MosaicBlocks::kSide + MosaicBlocks::kSide / 2;
@@ -76,7 +76,7 @@ std::optional<double> displacement_at(const SeamScene& scene, const Place& place
 
 }  // namespace
 
-SeamResidual measure_seams(const SeamScene& scene, int num_threads) {
+SeamResidual measure_seams(const MosaicScene& scene, int num_threads) {
   const std::vector<Place> places = seam_places(scene);
   std::vector<std::optional<double>> measured(places.size());
   parallel_for(places.size(), num_threads, [&](std::size_t i) { measured[i] = displacement_at(scene, places[i]); });

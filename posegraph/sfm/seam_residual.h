@@ -5,8 +5,8 @@
 
 namespace fabloop {
 
-/// What a mosaic was made from.
-struct SeamScene {
+/// What a mosaic is made from.
+struct MosaicScene {
   const GroundGrid& grid;
   const HeightField& surface;
   const std::vector<GroundView>& views;
@@ -19,6 +19,6 @@ struct SeamScene {
 };
 
 /// Displacements of patches of the two views at places along seams, by phase correlation.
-SeamResidual measure_seams(const SeamScene& scene, int num_threads);
+SeamResidual measure_seams(const MosaicScene& scene, int num_threads);
 
 }  // namespace fabloop
