@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <filesystem>
-#include <fstream>
 #include <iomanip>
 #include <iostream>
 #include <map>
@@ -11,7 +10,7 @@
 #include <vector>
 
 #include "apps/command.h"
-#include "frontend/csv_lines.h"
+#include "apps/run_files.h"
 #include "frontend/error.h"
 #include "frontend/features/feature_extractor.h"
 #include "frontend/recognition/plot.h"
@@ -33,21 +32,6 @@ struct ExplainArguments {
   std::size_t query = 0, match = 0;
   fs::path sequence, camera, picture;
 };
-
-ordered_json read_parameters(const fs::path& run) {
-  std::ifstream file(run / "summary.json");
-  const ordered_json summary = ordered_json::parse(file, nullptr, false);
-  if (!summary.is_object()) {
-    throw InputError((run / "summary.json").string() + ": is missing or no JSON; give the folder that `fabloop map` wrote");
-  }
-  return summary.value("parameters", ordered_json::object());
-}
-
-std::vector<std::string> read_names(const fs::path& path) {
-  std::vector<std::string> names;
-  for_each_csv_line(path, [&](const CsvFields& fields, const CsvFail&) { names.push_back(fields.front()); });
-  return names;
-}
 
 /// One of the two images, as the run saw it.
 struct SeenImage {
@@ -132,12 +116,12 @@ void print_hypotheses(const LedgerTable& ledger, const Explanation& explanation)
 
 void run_explain(const ExplainArguments& arguments) {
   const LedgerTable ledger = read_ledger(arguments.run / "loops.csv");
-  const std::vector<std::string> names = read_names(arguments.run / "frames.csv");
+  const std::vector<std::string> names = read_frame_names(arguments.run);
   if (std::max(arguments.query, arguments.match) >= names.size()) {
     throw InputError((arguments.run / "frames.csv").string() + ": has " + std::to_string(names.size()) +
                      " frames, counted from 0; there is no " + std::to_string(std::max(arguments.query, arguments.match)));
   }
-  const ordered_json parameters = read_parameters(arguments.run);
+  const ordered_json parameters = read_summary(arguments.run).value("parameters", ordered_json::object());
   ExplainOptions options;
   options.verifier = verifier_options_from_parameters(parameters.dump());
   const ordered_json hypotheses = parameters.value("hypotheses", ordered_json::object());

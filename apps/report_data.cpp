@@ -5,14 +5,13 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include "apps/report_images.h"
 #include "apps/report_map.h"
+#include "apps/run_files.h"
 #include "apps/stage_report.h"
-#include "frontend/csv_lines.h"
 #include "frontend/error.h"
 #include "posegraph/g2o_io.h"
 #include "posegraph/inlier_file.h"
@@ -26,21 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
-
-ordered_json read_summary(const fs::path& run) {
-  std::ifstream file(run / "summary.json");
-  ordered_json summary = ordered_json::parse(file, nullptr, false);
-  if (!summary.is_object()) {
-    throw InputError((run / "summary.json").string() + ": is missing or no JSON; give the folder that `fabloop map` wrote");
-  }
-  return summary;
-}
-
-std::vector<std::string> read_names(const fs::path& path) {
-  std::vector<std::string> names;
-  for_each_csv_line(path, [&](const CsvFields& fields, const CsvFail&) { names.push_back(fields.front()); });
-  return names;
-}
 
 /// As many digits as a reader can use.
 double shortened(double value) {
@@ -200,7 +184,7 @@ ordered_json report_data(const ReportInput& input) {
   ordered_json data;
   data["summary"] = read_summary(run);
   const LedgerTable ledger = read_ledger(run / "loops.csv");
-  const std::vector<std::string> names = read_names(run / "frames.csv");
+  const std::vector<std::string> names = read_frame_names(run);
   const std::vector<std::int64_t> times_ns = read_frame_times(run / "frames.csv");
   data["frames"] = names;
   RunTruth truth;

@@ -2,11 +2,10 @@
 #include "apps/results_table.h"
 
 #include <array>
-#include <fstream>
 #include <iomanip>
 #include <sstream>
 
-#include "frontend/error.h"
+#include "apps/run_files.h"
 
 namespace fabloop::apps {
 namespace {
@@ -14,14 +13,6 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr std::array<const char*, 7> kStages = {"read", "features", "words", "recognise", "neighbours", "verify", "optimize"};
-
-ordered_json read_summary(const std::filesystem::path& run) {
-  std::ifstream file(run / "summary.json");
-  const auto summary = ordered_json::parse(file, nullptr, false);
-  if (!summary.is_object())
-    throw InputError((run / "summary.json").string() + ": is missing or no JSON; give the folder that a run wrote");
-  return summary;
-}
 
 /// "0.98", or "-" where the truth does not tell.
 std::string share(const ordered_json& value) {

@@ -22,7 +22,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "entries are written as they stand in memory");
 
-constexpr std::string_view kMagic("\x93NUMPY", 6);
+constexpr std::string_view kNpyMagic("\x93NUMPY", 6);
 /// Room for any shape, and a multiple of 64 as the format asks for.
 constexpr std::size_t kHeaderBytes = 128;
 constexpr std::size_t kPreambleBytes = 10;
@@ -119,7 +119,7 @@ using Fail = std::function<void(const std::string& what)>;
 std::string read_header_text(std::istream& file, const Fail& fail) {
   std::array<char, 12> preamble{};
   file.read(preamble.data(), kPreambleBytes);
-  if (!file || std::string_view(preamble.data(), kMagic.size()) != kMagic) fail("is no NumPy file");
+  if (!file || std::string_view(preamble.data(), kNpyMagic.size()) != kNpyMagic) fail("is no NumPy file");
   const int version = preamble[6];
   if (version < 1 || version > 3) fail("is of NumPy format " + std::to_string(version) + ", which is unknown");
   // Format 1 has a length of 2 bytes, the later ones of 4.
@@ -184,7 +184,7 @@ void NpyWriter::write_header() {
   text.resize(kHeaderBytes - kPreambleBytes - 1, ' ');
   text += '\n';
   const std::array<char, 4> version_and_length{1, 0, static_cast<char>(text.size()), 0};
-  file_.stream() << kMagic;
+  file_.stream() << kNpyMagic;
   file_.stream().write(version_and_length.data(), version_and_length.size());
   file_.stream() << text;
 }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "frontend/drawing.h"
 #include "frontend/recognition/plot.h"
 #include "posegraph/run_folder.h"
 
@@ -19,10 +20,8 @@ constexpr int kWidth = 1400;
 constexpr int kPlotHeight = 1000;
 constexpr int kMargin = 60;
 constexpr int kLegendHeight = 90;
-constexpr int kSubpixelBits = 4;
+constexpr double kTextSize = 0.55;
 
-const cv::Scalar kBackground(255, 255, 255);
-const cv::Scalar kInk(50, 50, 50);
 const cv::Scalar kOdometry(165, 165, 165);
 const cv::Scalar kReference(60, 60, 60);
 const cv::Scalar kResult(200, 90, 20);      // blue
@@ -80,15 +79,6 @@ class Projection {
   Eigen::Vector3d centre_;
 };
 
-cv::Point subpixel(const cv::Point2d& p) {
-  constexpr double kScale = 1 << kSubpixelBits;
-  return {static_cast<int>(std::lround(p.x * kScale)), static_cast<int>(std::lround(p.y * kScale))};
-}
-
-void draw_line(cv::Mat& picture, const cv::Point2d& a, const cv::Point2d& b, const cv::Scalar& colour, int thickness) {
-  cv::line(picture, subpixel(a), subpixel(b), colour, thickness, cv::LINE_AA, kSubpixelBits);
-}
-
 void draw_path(cv::Mat& picture, const Projection& project, const Path& path, const cv::Scalar& colour, int thickness,
                bool dashed) {
   constexpr double kDashPx = 7;
@@ -100,36 +90,10 @@ void draw_path(cv::Mat& picture, const Projection& project, const Path& path, co
     const int pieces = dashed ? std::max(1, static_cast<int>(std::ceil(length / kDashPx))) : 1;
     for (int k = 0; k < pieces; ++k) {
       const bool gap = dashed && static_cast<int>((along + k * length / pieces) / kDashPx) % 2 == 1;
-      if (!gap) draw_line(picture, a + (b - a) * (1.0 * k / pieces), a + (b - a) * (1.0 * (k + 1) / pieces), colour, thickness);
+      if (!gap) draw::line(picture, a + (b - a) * (1.0 * k / pieces), a + (b - a) * (1.0 * (k + 1) / pieces), colour, thickness);
     }
     along += length;
   }
-}
-
-void write_text(cv::Mat& picture, const std::string& text, const cv::Point& at, double scale = 0.55) {
-  cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, scale, kInk, 1, cv::LINE_AA);
-}
-
-/// A round length that takes about a fifth of the picture.
-double scale_bar_length(double px_per_m) {
-  const double wanted = 0.2 * kWidth / px_per_m;
-  const double power = std::pow(10.0, std::floor(std::log10(wanted)));
-  for (const double step : {5.0, 2.0}) {
-    if (step * power <= wanted) return step * power;
-  }
-  return power;
-}
-
-void draw_scale_bar(cv::Mat& picture, double px_per_m) {
-  const double length = scale_bar_length(px_per_m);
-  const cv::Point2d end(kWidth - kMargin, kPlotHeight - 25);
-  const cv::Point2d start = end - cv::Point2d(length * px_per_m, 0);
-  draw_line(picture, start, end, kInk, 2);
-  for (const cv::Point2d& p : {start, end}) draw_line(picture, p - cv::Point2d(0, 5), p + cv::Point2d(0, 5), kInk, 2);
-  std::string text = std::to_string(length);
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.back() == '.') text.pop_back();
-  write_text(picture, text + " m", {static_cast<int>(start.x), kPlotHeight - 35});
 }
 
 std::string metres(double value) {
@@ -145,17 +109,16 @@ struct LegendEntry {
 };
 
 void draw_legend(cv::Mat& picture, const std::string& title, const std::vector<LegendEntry>& entries) {
-  write_text(picture, title, {kMargin, kPlotHeight + 25}, 0.65);
+  plot::write(picture, title, {kMargin, kPlotHeight + 25}, 0.0, 0.65);
   int x = kMargin;
   for (const LegendEntry& entry : entries) {
     const int y = kPlotHeight + 60;
     for (int k = 0; k < 4; ++k) {
       if (entry.dashed && k % 2 == 1) continue;
-      draw_line(picture, cv::Point2d(x + 8 * k, y - 5), cv::Point2d(x + 8 * (k + 1), y - 5), entry.colour, 3);
+      draw::line(picture, cv::Point2d(x + 8 * k, y - 5), cv::Point2d(x + 8 * (k + 1), y - 5), entry.colour, 3);
     }
-    write_text(picture, entry.text, {x + 40, y});
-    int baseline = 0;
-    x += 65 + cv::getTextSize(entry.text, cv::FONT_HERSHEY_SIMPLEX, 0.55, 1, &baseline).width;
+    plot::write(picture, entry.text, {x + 40, y}, 0.0, kTextSize);
+    x += 65 + plot::text_width(entry.text, kTextSize);
   }
 }
 
@@ -172,8 +135,8 @@ void draw_loops(cv::Mat& picture, const Projection& project, const Path& result,
       for (const HypothesisOutcome& outcome : event.hypotheses) {
         const bool is_within = outcome.match_session == event.session;
         if (!is_within || (outcome.verification.verdict == Verdict::Accepted) != accepted) continue;
-        draw_line(lines, project(result[vertex_of(event.query)]), project(result[vertex_of(outcome.match)]),
-                  accepted ? kAccepted : kRejected, 1);
+        draw::line(lines, project(result[vertex_of(event.query)]), project(result[vertex_of(outcome.match)]),
+                   accepted ? kAccepted : kRejected, 1);
       }
     }
     constexpr double kOpacity = 0.45;  // a thousand loops must not hide the path
@@ -193,18 +156,18 @@ cv::Mat draw_map(const Sequence& sequence, const Map& map) {
   }
   const bool has_reference = errors.final.has_value();
   if (!has_reference) reference.clear();
-  cv::Mat picture(kPlotHeight + kLegendHeight, kWidth, CV_8UC3, kBackground);
+  cv::Mat picture(kPlotHeight + kLegendHeight, kWidth, CV_8UC3, plot::kPaper);
   const Projection project({&odometry, &result, &reference});
   draw_loops(picture, project, result, map);
   draw_path(picture, project, odometry, kOdometry, 2, false);
   draw_path(picture, project, result, kResult, 2, false);
   draw_path(picture, project, reference, kReference, 1, true);
-  for (const Eigen::Vector3d& x : result)
-    cv::circle(picture, subpixel(project(x)), 2 << kSubpixelBits, kResult, -1, cv::LINE_AA, kSubpixelBits);
-  cv::circle(picture, subpixel(project(result.front())), 7 << kSubpixelBits, kResult, 2, cv::LINE_AA, kSubpixelBits);
-  write_text(picture, "start",
-             {static_cast<int>(project(result.front()).x) + 10, static_cast<int>(project(result.front()).y) - 8});
-  draw_scale_bar(picture, project.px_per_m());
+  for (const Eigen::Vector3d& x : result) draw::disc(picture, project(x), 2, kResult);
+  const cv::Point2d start = project(result.front());
+  draw::circle(picture, start, 7, kResult, 2);
+  plot::write(picture, "start", {static_cast<int>(start.x) + 10, static_cast<int>(start.y) - 8}, 0.0, kTextSize);
+  plot::draw_scale_bar(picture, cv::Point2d(kWidth - kMargin, kPlotHeight - 25), project.px_per_m(), 0.2 * kWidth, "m",
+                       kTextSize);
   const LoopCounts counts = count_loops(map);
   std::vector<LegendEntry> legend = {
       {kResult, "result" + (has_reference ? ", ATE " + metres(errors.final->translation_m.rmse) : "")},

@@ -24,10 +24,10 @@ namespace {
 constexpr int kDegreesOfFreedom = 7;
 
 /// A vertex: quaternion (x y z w), translation and logarithm of the scale.
-using State = std::array<double, 8>;
+using SimilarityState = std::array<double, 8>;
 
-std::vector<State> read_states(const SimilarityGraph& graph) {
-  std::vector<State> states;
+std::vector<SimilarityState> read_states(const SimilarityGraph& graph) {
+  std::vector<SimilarityState> states;
   states.reserve(graph.vertices.size());
   for (const SimilarityVertex& vertex : graph.vertices) {
     const auto& [scale, q, t] = vertex.world_from_frame;
@@ -36,7 +36,7 @@ std::vector<State> read_states(const SimilarityGraph& graph) {
   return states;
 }
 
-Similarity similarity_from_state(const State& s) {
+Similarity similarity_from_state(const SimilarityState& s) {
   return {std::exp(s[7]), Eigen::Quaterniond(s[3], s[0], s[1], s[2]).normalized(), {s[4], s[5], s[6]}};
 }
 
@@ -52,7 +52,7 @@ class Costs {
     }
   }
 
-  std::vector<EdgeResult> evaluate(std::vector<State> states) const {
+  std::vector<EdgeResult> evaluate(std::vector<SimilarityState> states) const {
     std::vector<EdgeResult> results;
     results.reserve(residuals_.size());
     for (std::size_t e = 0; e < residuals_.size(); ++e) {
@@ -70,7 +70,7 @@ class Costs {
     return cost;
   }
 
-  void add_to(ceres::Problem& problem, std::vector<State>& states, residuals::Loss& loss) const {
+  void add_to(ceres::Problem& problem, std::vector<SimilarityState>& states, residuals::Loss& loss) const {
     for (std::size_t e = 0; e < residuals_.size(); ++e) {
       problem.AddResidualBlock(residuals_[e].get(), loss_of(e) == RobustLoss::None ? nullptr : &loss, blocks_of(e, states));
     }
@@ -81,7 +81,7 @@ class Costs {
  private:
   RobustLoss loss_of(std::size_t e) const { return is_robust_[e] ? loss_ : RobustLoss::None; }
 
-  std::vector<double*> blocks_of(std::size_t e, std::vector<State>& states) const {
+  std::vector<double*> blocks_of(std::size_t e, std::vector<SimilarityState>& states) const {
     double* const i = states[graph_.edges[e].from].data();
     double* const j = states[graph_.edges[e].to].data();
     return {i, i + 4, j, j + 4};
@@ -148,12 +148,12 @@ Initialization choose_start(SimilarityGraph& graph, const Costs& costs, double g
 
 /// Lets Ceres move the states.
 residuals::SolverRun solve(const Costs& costs, const OptimizeReport& report, const OptimizeOptions& options,
-                           std::vector<State>& states) {
+                           std::vector<SimilarityState>& states) {
   ceres::EigenQuaternionManifold quaternion;
   residuals::YawManifold yaw;
   residuals::Loss loss(options.robust_loss, costs.c2());
   ceres::Problem problem(residuals::unowned());
-  for (State& state : states) {
+  for (SimilarityState& state : states) {
     ceres::Manifold* const rotations =
         options.freedom == Freedom::YawAndPosition ? static_cast<ceres::Manifold*>(&yaw) : &quaternion;
     problem.AddParameterBlock(state.data(), 4, rotations);
@@ -179,7 +179,7 @@ OptimizeReport optimize(SimilarityGraph& graph, const OptimizeOptions& options) 
 
   const std::vector<SimilarityVertex> given = graph.vertices;
   report.start = choose_start(graph, costs, report.initial_cost, options);
-  std::vector<State> states = read_states(graph);
+  std::vector<SimilarityState> states = read_states(graph);
   const residuals::SolverRun run = solve(costs, report, options, states);
   report.termination = run.termination;
   report.iterations = run.iterations;

@@ -19,7 +19,7 @@ namespace {
 
 using namespace g2o;
 
-constexpr const char* kKnownTags = "VERTEX_SIM3:QUAT, EDGE_SIM3:QUAT, VERTEX_SIM3:EXPMAP, EDGE_SIM3:EXPMAP and FIX";
+constexpr const char* kSimilarityTags = "VERTEX_SIM3:QUAT, EDGE_SIM3:QUAT, VERTEX_SIM3:EXPMAP, EDGE_SIM3:EXPMAP and FIX";
 constexpr std::size_t kInformationSize = 28;
 
 /// How a line writes a similarity.
@@ -41,14 +41,14 @@ Matrix7d translation_first(const Matrix7d& rotation_first) {
   return result;
 }
 
-class Reader {
+class SimilarityReader {
  public:
-  Reader(const std::filesystem::path& path, const G2oOptions& options) : path_(path), lines_(path, options) {}
+  SimilarityReader(const std::filesystem::path& path, const G2oOptions& options) : path_(path), lines_(path, options) {}
 
   SimilarityGraph read() {
     lines_.read([this](const Words& words) { read_line(words); });
     if (graph_.vertices.empty() && graph_.edges.empty()) {
-      throw InputError(path_.string() + ": has no vertices and no edges; such a file has lines of " + kKnownTags);
+      throw InputError(path_.string() + ": has no vertices and no edges; such a file has lines of " + kSimilarityTags);
     }
     finish();
     return std::move(graph_);
@@ -61,7 +61,7 @@ class Reader {
     if (tag == "VERTEX_SIM3:EXPMAP") return read_vertex(words, Form::Exponential);
     if (tag == "EDGE_SIM3:QUAT") return read_edge(words, Form::Quaternion);
     if (tag == "EDGE_SIM3:EXPMAP") return read_edge(words, Form::Exponential);
-    lines_.fail_at_unknown_tag(tag, kKnownTags);
+    lines_.fail_at_unknown_tag(tag, kSimilarityTags);
   }
 
   void read_vertex(const Words& words, Form form) {
@@ -154,7 +154,7 @@ bool has_similarities(const std::filesystem::path& path) {
 }
 
 SimilarityGraph read_similarity_g2o(const std::filesystem::path& path, const G2oOptions& options) {
-  return Reader(path, options).read();
+  return SimilarityReader(path, options).read();
 }
 
 void write_g2o(const std::filesystem::path& path, const SimilarityGraph& graph) {

@@ -26,7 +26,7 @@ Eigen::Vector3d roll_pitch_yaw(const Eigen::Quaterniond& rotation) {
   return {std::atan2(-rest(1, 2), rest(1, 1)), pitch, yaw};
 }
 
-void write_pose(std::ostream& out, const Pose& pose, int dimension) {
+void write_toro_pose(std::ostream& out, const Pose& pose, int dimension) {
   const auto& [q, t] = pose;
   const Eigen::Vector3d angles = roll_pitch_yaw(q);
   if (dimension == 2) {
@@ -36,7 +36,7 @@ void write_pose(std::ostream& out, const Pose& pose, int dimension) {
   }
 }
 
-void write_information(std::ostream& out, const Matrix6d& information, int dimension) {
+void write_toro_information(std::ostream& out, const Matrix6d& information, int dimension) {
   if (dimension == 2) {
     constexpr std::array<std::pair<int, int>, 6> kEntries = {{{0, 0}, {0, 1}, {1, 1}, {5, 5}, {0, 5}, {1, 5}}};
     for (const auto& [row, column] : kEntries) write_number(out, information(row, column));
@@ -65,7 +65,7 @@ void write_toro(const std::filesystem::path& path, const PoseGraph& graph) {
   std::ostream& out = file.stream();
   for (const Vertex& vertex : graph.vertices) {
     out << "VERTEX" << graph.dimension << ' ' << vertex.id;
-    write_pose(out, vertex.world_from_frame, graph.dimension);
+    write_toro_pose(out, vertex.world_from_frame, graph.dimension);
     out << '\n';
   }
   for (const Vertex& vertex : graph.vertices) {
@@ -76,8 +76,8 @@ void write_toro(const std::filesystem::path& path, const PoseGraph& graph) {
     const std::int64_t to_id = graph.vertices[edge.to].id;
     if (edge.kind != usual_kind(from_id, to_id)) out << kind_comment(edge.kind);
     out << "EDGE" << graph.dimension << ' ' << from_id << ' ' << to_id;
-    write_pose(out, edge.from_from_to, graph.dimension);
-    write_information(out, edge.information, graph.dimension);
+    write_toro_pose(out, edge.from_from_to, graph.dimension);
+    write_toro_information(out, edge.information, graph.dimension);
     out << '\n';
   }
   file.commit();

@@ -10,6 +10,7 @@
 #include "frontend/error.h"
 #include "verification/levenberg_marquardt.h"
 #include "verification/point_ray_residual.h"
+#include "verification/pose_step.h"
 #include "verification/ransac.h"
 #include "verification/truncated_noise.h"
 
@@ -29,22 +30,17 @@ NormalEquations<6> linearise(std::span<const PointRay> data, std::span<const std
   return sum.in_world(rotation);
 }
 
-Pose moved(const Pose& world_from_camera, const Vector6d& step) {
-  return {(world_from_camera.rotation * rotation_from_vector(step.tail<3>())).normalized(),
-          world_from_camera.translation + step.head<3>()};
-}
-
 /// Minimises the angles of the given data.
 Pose minimise(std::span<const PointRay> data, std::span<const std::size_t> indices, const Pose& world_from_camera,
               int max_steps) {
   return levenberg_marquardt<6>(
-      world_from_camera, [&](const Pose& pose) { return linearise(data, indices, pose); }, moved, max_steps);
+      world_from_camera, [&](const Pose& pose) { return linearise(data, indices, pose); }, moved_in_world, max_steps);
 }
 
 /// OpenGV's view of the data.
-class Adapter final : public opengv::absolute_pose::AbsoluteAdapterBase {
+class PointRayAdapter final : public opengv::absolute_pose::AbsoluteAdapterBase {
  public:
-  explicit Adapter(std::span<const PointRay> data) : data_(data) {}
+  explicit PointRayAdapter(std::span<const PointRay> data) : data_(data) {}
   opengv::bearingVector_t getBearingVector(std::size_t i) const override { return data_[i].ray_in_camera; }
   double getWeight(std::size_t) const override { return 1.0; }
   opengv::translation_t getCamOffset(std::size_t) const override { return opengv::translation_t::Zero(); }
@@ -115,7 +111,7 @@ class AbsolutePoseProblem {
  private:
   std::span<const PointRay> data_;
   double max_squared_error_;
-  Adapter adapter_;
+  PointRayAdapter adapter_;
 };
 
 /// From the inliers' variance, or as known.

@@ -28,7 +28,7 @@ struct Similarity {
 
 /// By a step of (translation, rotation in the query's axes, logarithm of the scale).
 template <int kDimension>
-Similarity moved(const Similarity& at, const Eigen::Matrix<double, kDimension, 1>& step) {
+Similarity moved_similarity(const Similarity& at, const Eigen::Matrix<double, kDimension, 1>& step) {
   Similarity next{at.rotation * rotation_from_vector(step.template segment<3>(3)).toRotationMatrix(),
                   at.translation + at.rotation * step.template head<3>(), at.scale};
   if constexpr (kDimension == 7) next.scale *= std::exp(step(6));
@@ -45,9 +45,9 @@ Eigen::Matrix3d covariance(const Eigen::Vector3d& x, const PointNoise& noise) {
 }
 
 /// OpenGV's view of the pairs: frame 1 is the match, 2 the query.
-class Adapter final : public opengv::point_cloud::PointCloudAdapterBase {
+class PointPairAdapter final : public opengv::point_cloud::PointCloudAdapterBase {
  public:
-  explicit Adapter(std::span<const PointPair> pairs) : pairs_(pairs) {}
+  explicit PointPairAdapter(std::span<const PointPair> pairs) : pairs_(pairs) {}
   opengv::point_t getPoint1(std::size_t i) const override { return pairs_[i].in_match; }
   opengv::point_t getPoint2(std::size_t i) const override { return pairs_[i].in_query; }
   std::size_t getNumberCorrespondences() const override { return pairs_.size(); }
@@ -145,12 +145,12 @@ class AlignmentProblem {
   template <int kDimension>
   Similarity minimise_over(const Similarity& start, std::span<const std::size_t> indices, int max_steps) const {
     return levenberg_marquardt<kDimension>(
-        start, [&](const Similarity& at) { return linearise<kDimension>(at, indices); }, moved<kDimension>, max_steps);
+        start, [&](const Similarity& at) { return linearise<kDimension>(at, indices); }, moved_similarity<kDimension>, max_steps);
   }
 
   std::span<const PointPair> pairs_;
   AlignmentScale scale_;
-  Adapter adapter_;
+  PointPairAdapter adapter_;
   std::vector<Eigen::Matrix3d> query_covariances_, match_covariances_;
 };
 

@@ -16,14 +16,14 @@
 namespace fabloop {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kFarAway = std::numeric_limits<float>::infinity();
 
 /// For each feature of the query the nearest in its band, with index -1 where another query feature is nearer to that.
 std::vector<NearestFeature> mutually_nearest_in_bands(const View& query, const View& match, const Pose& match_from_query,
                                                       const GuidedMatchingOptions& options) {
   const EpipolarPencil pencil(match.rays, match_from_query, options.max_error_rad);
   std::vector<NearestFeature> nearest(query.rays.size());
-  std::vector<float> to_nearest_query(match.rays.size(), kInfinity);
+  std::vector<float> to_nearest_query(match.rays.size(), kFarAway);
   std::vector<int> candidates;
   std::vector<float> distances;
   for (std::size_t q = 0; q < nearest.size(); ++q) {

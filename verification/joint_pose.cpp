@@ -8,6 +8,7 @@
 
 #include "verification/levenberg_marquardt.h"
 #include "verification/median.h"
+#include "verification/pose_step.h"
 #include "verification/residuals.h"
 
 namespace fabloop {
@@ -131,10 +132,6 @@ NormalEquations<6> linearise(const JointData& data, const Active& active, const 
   return normal;
 }
 
-Pose moved(const Pose& pose, const Vector6d& step) {
-  return {(pose.rotation * rotation_from_vector(step.tail<3>())).normalized(), pose.translation + pose.rotation * step.head<3>()};
-}
-
 }  // namespace
 
 JointPose refine_joint_pose(const JointData& data, const Pose& match_from_query, const JointPoseOptions& options) {
@@ -146,7 +143,8 @@ JointPose refine_joint_pose(const JointData& data, const Pose& match_from_query,
   double min_baseline = kMinBaseline * median_depth(data, active, match_from_query);
   for (int round = 0; round < kRounds; ++round) {
     result.match_from_query = levenberg_marquardt<6>(
-        result.match_from_query, [&](const Pose& pose) { return linearise(data, active, pose, min_baseline); }, moved, kSteps);
+        result.match_from_query, [&](const Pose& pose) { return linearise(data, active, pose, min_baseline); },
+        moved_in_own_frame, kSteps);
     active = select_inliers(data, result.match_from_query, options);
   }
   const Matrix6d hessian = linearise(data, active, result.match_from_query, min_baseline).hessian;

@@ -55,9 +55,4 @@ PairCanvas make_pair_canvas(const cv::Mat& query_gray, const cv::Mat& match_gray
   return canvas;
 }
 
-cv::Point with_subpixels(const cv::Point2d& point) {
-  constexpr double kUnit = 1 << kSubpixelBits;
-  return {static_cast<int>(std::lround(point.x * kUnit)), static_cast<int>(std::lround(point.y * kUnit))};
-}
-
 }  // namespace fabloop

@@ -5,11 +5,7 @@
 
 namespace fabloop {
 
-inline constexpr int kPairGapPx = 10;    ///< Between the images.
-inline constexpr int kSubpixelBits = 4;  ///< Of with_subpixels().
-
-/// A point in the fixed-point numbers that OpenCV draws with (`shift` = kSubpixelBits).
-cv::Point with_subpixels(const cv::Point2d& point);
+inline constexpr int kPairGapPx = 10;  ///< Between the images.
 
 /// Both images side by side, dimmed, and where their pixels lie in the picture.
 struct PairCanvas {

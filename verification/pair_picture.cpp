@@ -12,6 +12,7 @@
 #include <set>
 #include <utility>
 
+#include "frontend/drawing.h"
 #include "frontend/recognition/plot.h"
 #include "verification/epipolar_curve.h"
 #include "verification/pair_canvas.h"
@@ -30,19 +31,17 @@ void draw_matches(const PictureOfPair& pair, const std::vector<Match>& matches, 
                   PairCanvas& canvas) {
   cv::Mat lines = canvas.picture.clone();
   for (const Match& m : matches) {
-    cv::line(lines, with_subpixels(canvas.in_query(pixel_in(pair.query, m.query))),
-             with_subpixels(canvas.in_match(pixel_in(pair.match, m.match))), colour, 1, cv::LINE_AA, kSubpixelBits);
+    draw::line(lines, canvas.in_query(pixel_in(pair.query, m.query)), canvas.in_match(pixel_in(pair.match, m.match)), colour);
   }
   cv::addWeighted(lines, opacity, canvas.picture, 1.0 - opacity, 0, canvas.picture);
 }
 
 void draw_dots(const PictureOfPair& pair, const std::vector<Match>& matches, const cv::Scalar& colour, PairCanvas& canvas) {
   constexpr double kRadiusPx = 2.3;
-  constexpr int kFixedRadius = static_cast<int>(kRadiusPx * (1 << kSubpixelBits));
   for (const Match& m : matches) {
     for (const cv::Point2d& end :
          {canvas.in_query(pixel_in(pair.query, m.query)), canvas.in_match(pixel_in(pair.match, m.match))}) {
-      cv::circle(canvas.picture, with_subpixels(end), kFixedRadius, colour, cv::FILLED, cv::LINE_AA, kSubpixelBits);
+      draw::disc(canvas.picture, end, kRadiusPx, colour);
     }
   }
 }
@@ -91,15 +90,14 @@ void draw_curves(const std::vector<std::vector<cv::Point2f>>& pieces, const cv::
                  const cv::Scalar& colour, cv::Mat& picture) {
   cv::Mat image = picture(place);
   for (const auto& piece : pieces) {
-    std::vector<cv::Point> points;
-    for (const cv::Point2f& pixel : piece) points.push_back(with_subpixels(PairCanvas::at({}, scale, pixel)));
-    cv::polylines(image, points, false, colour, 1, cv::LINE_AA, kSubpixelBits);
+    std::vector<cv::Point2d> points;
+    for (const cv::Point2f& pixel : piece) points.push_back(PairCanvas::at({}, scale, pixel));
+    draw::polyline(image, points, colour);
   }
 }
 
 void draw_epipolar_lines(const PictureOfPair& pair, std::size_t count, PairCanvas& canvas) {
   constexpr double kRadiusPx = 5.0;
-  constexpr int kFixedRadius = static_cast<int>(kRadiusPx * (1 << kSubpixelBits));
   const std::vector<Match> chosen = spread_out(pair, count);
   const std::vector<cv::Scalar> colours = make_colours(chosen.size());
   const Pose& match_from_query = pair.found.match_from_query;
@@ -111,7 +109,7 @@ void draw_epipolar_lines(const PictureOfPair& pair, std::size_t count, PairCanva
                 canvas.query_scale, colours[i], canvas.picture);
     for (const cv::Point2d& end :
          {canvas.in_query(pixel_in(pair.query, chosen[i].query)), canvas.in_match(pixel_in(pair.match, chosen[i].match))}) {
-      cv::circle(canvas.picture, with_subpixels(end), kFixedRadius, colours[i], 2, cv::LINE_AA, kSubpixelBits);
+      draw::circle(canvas.picture, end, kRadiusPx, colours[i], 2);
     }
   }
 }

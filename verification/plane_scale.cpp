@@ -62,7 +62,7 @@ MatchPoints match_points(const View& query, const View& match, const std::vector
 }
 
 /// Points as rays and depths, and which of them are on a plane.
-struct PlanePoints {
+struct PointsAndPlane {
   const std::vector<Eigen::Vector3d>& rays;
   const std::vector<double>& depths;
   double max_relative_error;
@@ -78,7 +78,7 @@ struct PlanePoints {
 };
 
 /// Of the planes through three points drawn, the one that most points are on.
-std::optional<Eigen::Vector3d> drawn_plane(const PlanePoints& points) {
+std::optional<Eigen::Vector3d> drawn_plane(const PointsAndPlane& points) {
   // All but one in 5,000 of such searches draw three points of the plane when half of them are off it.
   constexpr int kDraws = 64;
   constexpr std::uint64_t kSeed = 1;
@@ -105,7 +105,7 @@ std::optional<Eigen::Vector3d> drawn_plane(const PlanePoints& points) {
 std::optional<FittedPlane> fit_plane(const std::vector<Eigen::Vector3d>& unit_rays, const std::vector<double>& depths,
                                      double max_relative_error) {
   if (unit_rays.size() < 3) return std::nullopt;
-  const PlanePoints points{unit_rays, depths, max_relative_error};
+  const PointsAndPlane points{unit_rays, depths, max_relative_error};
   auto inverse_normal = drawn_plane(points);
   constexpr int kRounds = 5;
   PlaneEquations equations;

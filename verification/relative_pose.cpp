@@ -63,7 +63,7 @@ NormalEquations<5> linearise(std::span<const RayPair> pairs, std::span<const std
   return normal;
 }
 
-Pose moved(const Pose& match_from_query, const Vector5d& step) {
+Pose moved_across_directions(const Pose& match_from_query, const Vector5d& step) {
   const Eigen::Matrix<double, 3, 2> basis = tangent_basis(match_from_query.translation);
   return {(match_from_query.rotation * rotation_from_vector(step.head<3>())).normalized(),
           (match_from_query.translation + basis * step.tail<2>()).normalized()};
@@ -73,7 +73,8 @@ Pose moved(const Pose& match_from_query, const Vector5d& step) {
 Pose minimise(std::span<const RayPair> pairs, std::span<const std::size_t> indices, const Pose& match_from_query, int max_steps,
               std::span<const double> weights = {}) {
   return levenberg_marquardt<5>(
-      match_from_query, [&](const Pose& pose) { return linearise(pairs, indices, pose, weights); }, moved, max_steps);
+      match_from_query, [&](const Pose& pose) { return linearise(pairs, indices, pose, weights); }, moved_across_directions,
+      max_steps);
 }
 
 /// The four poses of an essential matrix (Hartley & Zisserman 2004, result 9.19).

@@ -9,6 +9,7 @@
 #include "frontend/error.h"
 #include "verification/levenberg_marquardt.h"
 #include "verification/point_ray_residual.h"
+#include "verification/pose_step.h"
 #include "verification/ransac.h"
 #include "verification/rig_pose.h"
 #include "verification/truncated_noise.h"
@@ -17,9 +18,9 @@ namespace fabloop {
 namespace {
 
 /// OpenGV's view of the data: every ray is a camera of its own in the body's axes.
-class Adapter final : public opengv::absolute_pose::AbsoluteAdapterBase {
+class RigPointRayAdapter final : public opengv::absolute_pose::AbsoluteAdapterBase {
  public:
-  explicit Adapter(std::span<const RigPointRay> data) : data_(data) {}
+  explicit RigPointRayAdapter(std::span<const RigPointRay> data) : data_(data) {}
   opengv::bearingVector_t getBearingVector(std::size_t i) const override { return data_[i].ray.ray_in_body; }
   double getWeight(std::size_t) const override { return 1.0; }
   opengv::translation_t getCamOffset(std::size_t i) const override { return data_[i].ray.origin_in_body; }
@@ -43,15 +44,10 @@ NormalEquations<6> linearise(std::span<const RigPointRay> data, std::span<const 
 }
 
 /// By a step of (translation in the world, rotation in the body).
-Pose moved(const Pose& world_from_body, const Eigen::Matrix<double, 6, 1>& step) {
-  return {(world_from_body.rotation * rotation_from_vector(step.tail<3>())).normalized(),
-          world_from_body.translation + step.head<3>()};
-}
-
 Pose minimise(std::span<const RigPointRay> data, std::span<const std::size_t> indices, const Pose& world_from_body,
               int max_steps) {
   return levenberg_marquardt<6>(
-      world_from_body, [&](const Pose& pose) { return linearise(data, indices, pose); }, moved, max_steps);
+      world_from_body, [&](const Pose& pose) { return linearise(data, indices, pose); }, moved_in_world, max_steps);
 }
 
 /// A pose as the loop scores it.
@@ -113,7 +109,7 @@ class RigAbsoluteProblem {
  private:
   std::span<const RigPointRay> data_;
   double max_squared_error_;
-  Adapter adapter_;
+  RigPointRayAdapter adapter_;
 };
 
 std::optional<RigAbsolutePose> finish(const RigAbsoluteProblem& problem, std::span<const RigPointRay> data,

@@ -11,6 +11,7 @@
 
 #include "frontend/error.h"
 #include "verification/camera_pair_groups.h"
+#include "verification/pose_step.h"
 #include "verification/rig_epipolar.h"
 #include "verification/rig_solver.h"
 #include "verification/sampled_ransac.h"
@@ -29,13 +30,9 @@ NormalEquations<6> linearise(std::span<const RigRayPair> pairs, std::span<const 
 }
 
 /// By a step of (translation, rotation) in the query's axes.
-Pose moved(const Pose& pose, const Eigen::Matrix<double, 6, 1>& step) {
-  return {(pose.rotation * rotation_from_vector(step.tail<3>())).normalized(), pose.translation + pose.rotation * step.head<3>()};
-}
-
 Pose minimise(std::span<const RigRayPair> pairs, std::span<const std::size_t> indices, const Pose& pose, int max_steps) {
   return levenberg_marquardt<6>(
-      pose, [&](const Pose& at) { return linearise(pairs, indices, at); }, moved, max_steps);
+      pose, [&](const Pose& at) { return linearise(pairs, indices, at); }, moved_in_own_frame, max_steps);
 }
 
 /// Root mean square distance of the cameras from the first of them, of both bodies.

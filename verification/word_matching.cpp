@@ -15,7 +15,7 @@
 namespace fabloop {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kNotSeen = std::numeric_limits<float>::infinity();
 
 /// Features sorted by word, those of one word by index.
 std::vector<int> by_word(std::span<const WordId> words) {
@@ -45,7 +45,7 @@ struct WordMatch {
 void match_word(const Features& query, std::span<const int> query_members, const Features& match,
                 std::span<const int> match_members, float max_distance, const MatchingOptions& options,
                 std::vector<WordMatch>& found) {
-  std::vector<float> to_nearest_query(match_members.size(), kInfinity);
+  std::vector<float> to_nearest_query(match_members.size(), kNotSeen);
   std::vector<NearestFeature> nearest;
   std::vector<float> distances(match_members.size());
   for (const int q : query_members) {

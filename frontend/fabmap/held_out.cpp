@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kNumBlocks = 20;
 constexpr std::size_t kHoldOutEvery = 5;
-constexpr std::size_t kMinImages = 10;  // two held out, at least
+constexpr std::size_t kMinHeldOutImages = 10;  // two held out, at least
 
 bool is_held_out(std::size_t image, std::size_t num_images) {
   return image * std::min(kNumBlocks, num_images) / num_images % kHoldOutEvery == kHoldOutEvery / 2;
@@ -18,7 +18,7 @@ bool is_held_out(std::size_t image, std::size_t num_images) {
 
 std::optional<HeldOut> hold_out(const std::vector<Observation>& observations, std::size_t num_words,
                                 const ChowLiuOptions& options) {
-  if (observations.size() < kMinImages) return std::nullopt;
+  if (observations.size() < kMinHeldOutImages) return std::nullopt;
   HeldOut result;
   std::vector<Observation> others;
   for (std::size_t image = 0; image < observations.size(); ++image) {

@@ -19,7 +19,7 @@ namespace {
 // starts at a multiple of kAlignment, so that the file can be mapped into memory. Numbers are little-endian.
 static_assert(std::endian::native == std::endian::little, "model files are read and written as they lie in memory");
 
-using Json = nlohmann::json;
+using HeaderJson = nlohmann::json;
 
 constexpr std::array<char, 8> kMagic = {'F', 'A', 'B', 'L', 'O', 'O', 'P', 'M'};
 constexpr std::uint32_t kVersion = 1;
@@ -70,22 +70,22 @@ Arrays arrays_of(const Model& model) {
 }
 
 /// What training says of itself, where it did.
-void add_training_entries(const Model& model, Json& header) {
-  if (model.health) header["health"] = Json::parse(to_json(*model.health));
-  if (model.domain) header["domain"] = Json::parse(to_json(*model.domain));
+void add_training_entries(const Model& model, HeaderJson& header) {
+  if (model.health) header["health"] = HeaderJson::parse(to_json(*model.health));
+  if (model.domain) header["domain"] = HeaderJson::parse(to_json(*model.domain));
 }
 
-void read_training_entries(const Json& header, Model& model) {
+void read_training_entries(const HeaderJson& header, Model& model) {
   if (header.contains("health")) model.health = training_report_from_json(header["health"].dump());
   if (header.contains("domain")) model.domain = domain_from_json(header["domain"].dump());
 }
 
-Json header_of(const Model& model, const Arrays& arrays) {
+HeaderJson header_of(const Model& model, const Arrays& arrays) {
   return {{"words", model.vocabulary.words.rows},
           {"dimensions", model.vocabulary.words.cols},
           {"background", model.background.size()},
           {"background_words", arrays.background_words.size()},
-          {"features", Json::parse(feature_options_json(model.features))},
+          {"features", HeaderJson::parse(feature_options_json(model.features))},
           {"detector",
            {{"p_seen_if_present", model.detector.p_seen_if_present}, {"p_seen_if_absent", model.detector.p_seen_if_absent}}},
           {"provenance",
@@ -101,12 +101,12 @@ Json header_of(const Model& model, const Arrays& arrays) {
 }
 
 /// Everything but the arrays.
-Model model_of(const Json& header) {
+Model model_of(const HeaderJson& header) {
   Model model;
   model.features = feature_options_from_json(header.at("features").dump());
-  const Json& detector = header.at("detector");
+  const HeaderJson& detector = header.at("detector");
   model.detector = {detector.at("p_seen_if_present").get<double>(), detector.at("p_seen_if_absent").get<double>()};
-  const Json& provenance = header.at("provenance");
+  const HeaderJson& provenance = header.at("provenance");
   model.provenance.fabloop_version = provenance.at("fabloop_version").get<std::string>();
   model.provenance.command = provenance.at("command").get<std::string>();
   model.provenance.seed = provenance.at("seed").get<std::uint64_t>();
@@ -122,7 +122,7 @@ struct Layout {
 };
 
 /// The layout that the header announces, when it fills the file exactly. No array is touched before that is known.
-Layout layout_of(const Json& header, std::size_t begin, std::size_t file_size) {
+Layout layout_of(const HeaderJson& header, std::size_t begin, std::size_t file_size) {
   const auto number = [&](const char* name) {
     const auto value = header.at(name).get<std::uint64_t>();
     return value <= file_size ? value : throw InputError("a size that is larger than the file");
@@ -187,7 +187,7 @@ std::vector<Observation> background_in(const MappedFile& file, const Layout& lay
 }
 
 /// The header, and where it ends.
-std::pair<Json, std::size_t> header_in(const MappedFile& file) {
+std::pair<HeaderJson, std::size_t> header_in(const MappedFile& file) {
   if (file.size() < kPrefixSize) throw InputError("a file too short for a fabloop model");
   if (std::memcmp(kMagic.data(), file.data(), kMagic.size()) != 0) throw InputError("something else than a fabloop model");
   std::array<std::uint32_t, 2> numbers{};
@@ -200,7 +200,7 @@ std::pair<Json, std::size_t> header_in(const MappedFile& file) {
     throw InputError("a header that the file is too short for");
   }
   const auto* text = reinterpret_cast<const char*>(file.data() + kPrefixSize);
-  return {Json::parse(text, text + header_size), kPrefixSize + header_size};
+  return {HeaderJson::parse(text, text + header_size), kPrefixSize + header_size};
 }
 
 Model parse(MappedFile file) {
@@ -228,7 +228,7 @@ Model read_model(const std::filesystem::path& path) {
   Model model;
   try {
     model = parse(std::move(file));
-  } catch (const Json::exception&) {
+  } catch (const HeaderJson::exception&) {
     fail(path, "is not a valid model (its header cannot be understood)");
   } catch (const InputError& problem) {
     fail(path, std::string("is not a valid model (it has ") + problem.what() + ")");
@@ -240,7 +240,7 @@ Model read_model(const std::filesystem::path& path) {
 void write_model(const std::filesystem::path& path, const Model& model) {
   validate(model, path.string());
   Arrays arrays = arrays_of(model);
-  Json header_json = header_of(model, arrays);
+  HeaderJson header_json = header_of(model, arrays);
   add_training_entries(model, header_json);
   std::string header = header_json.dump(1);
   header.resize(aligned(kPrefixSize + header.size()) - kPrefixSize, ' ');

@@ -8,10 +8,10 @@
 namespace fabloop {
 namespace {
 
-constexpr std::array<Named<LikelihoodEngine>, 4> kNames{{{LikelihoodEngine::Exact, "exact"},
-                                                         {LikelihoodEngine::Table, "table"},
-                                                         {LikelihoodEngine::BailOut, "bail-out"},
-                                                         {LikelihoodEngine::InvertedIndex, "index"}}};
+constexpr std::array<Named<LikelihoodEngine>, 4> kEngineNames{{{LikelihoodEngine::Exact, "exact"},
+                                                               {LikelihoodEngine::Table, "table"},
+                                                               {LikelihoodEngine::BailOut, "bail-out"},
+                                                               {LikelihoodEngine::InvertedIndex, "index"}}};
 
 }  // namespace
 
@@ -55,8 +55,8 @@ BailOutResult PlaceLikelihoods::log_likelihoods(const ObservationModel& model, c
   return result;
 }
 
-std::string_view to_string(LikelihoodEngine engine) { return name_of(kNames, engine); }
+std::string_view to_string(LikelihoodEngine engine) { return name_of(kEngineNames, engine); }
 
-std::optional<LikelihoodEngine> likelihood_engine_from_string(std::string_view name) { return named(kNames, name); }
+std::optional<LikelihoodEngine> likelihood_engine_from_string(std::string_view name) { return named(kEngineNames, name); }
 
 }  // namespace fabloop

@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Images decoded at a time.
-constexpr std::size_t kBlockSize = 16;
+constexpr std::size_t kImagesAtOnce = 16;
 
 /// One line a file: name, size and time; and how the images are taken from them.
 std::string identity_of(const std::vector<fs::path>& sources, const SourceTrainingOptions& options) {
@@ -51,7 +51,7 @@ class DescribedImages {
   void add(ImageSource& source, const FeatureExtractor& extractor, ImageShape shape, const ModelTrainingOptions& options) {
     const std::string stage = "describing " + source.name();
     std::size_t done = 0;
-    for (auto block = source.next(kBlockSize); !block.empty(); block = source.next(kBlockSize)) {
+    for (auto block = source.next(kImagesAtOnce); !block.empty(); block = source.next(kImagesAtOnce)) {
       std::vector<cv::Mat> descriptors(block.size());
       parallel_for(block.size(), options.num_threads, [&](std::size_t i) {
         const std::optional<cv::Mat> former = read(size_ + i);

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // A state file is: magic, size of the content (u64), its checksum (u64), content. It is read on the machine that wrote it.
-constexpr std::array<char, 8> kMagic = {'F', 'A', 'B', 'L', 'O', 'O', 'P', 'S'};
+constexpr std::array<char, 8> kStateMagic = {'F', 'A', 'B', 'L', 'O', 'O', 'P', 'S'};
 constexpr const char* kInputsName = "inputs.txt";
 
 std::optional<std::string> text_of(const fs::path& path) {
@@ -107,14 +107,14 @@ void TrainingState::remove(const std::string& name) {
 std::optional<StateBytes> TrainingState::read(const std::string& name) const {
   if (!has(name)) return std::nullopt;
   std::ifstream file(folder_ / name, std::ios::binary);
-  std::array<char, kMagic.size()> magic{};
+  std::array<char, kStateMagic.size()> magic{};
   std::uint64_t size = 0, expected = 0;
   file.read(magic.data(), magic.size());
   file.read(reinterpret_cast<char*>(&size), sizeof(size));
   file.read(reinterpret_cast<char*>(&expected), sizeof(expected));
   std::error_code error;
   const auto file_size = fs::file_size(folder_ / name, error);
-  if (file && !error && magic == kMagic && file_size == magic.size() + sizeof(size) + sizeof(expected) + size) {
+  if (file && !error && magic == kStateMagic && file_size == magic.size() + sizeof(size) + sizeof(expected) + size) {
     std::string bytes(size, '\0');
     if (file.read(bytes.data(), static_cast<std::streamsize>(size)) && checksum(bytes) == expected) {
       return StateBytes(std::move(bytes));
@@ -129,7 +129,7 @@ void TrainingState::write(const std::string& name, const StateBytes& bytes) {
   const std::uint64_t size = bytes.bytes().size(), sum = checksum(bytes.bytes());
   try {
     OutputFile file(folder_ / name);
-    file.stream().write(kMagic.data(), kMagic.size());
+    file.stream().write(kStateMagic.data(), kStateMagic.size());
     file.stream().write(reinterpret_cast<const char*>(&size), sizeof(size));
     file.stream().write(reinterpret_cast<const char*>(&sum), sizeof(sum));
     file.stream().write(bytes.bytes().data(), static_cast<std::streamsize>(size));

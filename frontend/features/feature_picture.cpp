@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <opencv2/imgproc.hpp>
 
+#include "frontend/drawing.h"
 #include "frontend/features/detectors.h"
 
 namespace fabloop {
@@ -15,7 +16,6 @@ namespace {
 
 constexpr double kLeastSizePx = 3.0, kMostSizePx = 96.0;  ///< Ends of the colour scale.
 constexpr int kCaptionHeight = 34;
-constexpr int kSubpixelBits = 4;
 
 /// From yellow (small) to blue (large), by the size's logarithm.
 std::vector<cv::Scalar> make_colours() {
@@ -43,21 +43,14 @@ cv::Mat backdrop(const cv::Mat& gray, double scale) {
   return colour;
 }
 
-cv::Point with_subpixels(const cv::Point2d& point) {
-  constexpr double kUnit = 1 << kSubpixelBits;
-  return {static_cast<int>(std::lround(point.x * kUnit)), static_cast<int>(std::lround(point.y * kUnit))};
-}
-
 void draw_keypoint(cv::Mat& picture, const cv::KeyPoint& keypoint, double size, double scale, const cv::Scalar& colour) {
   const cv::Point2d centre((keypoint.pt.x + 0.5) * scale - 0.5, (keypoint.pt.y + 0.5) * scale - 0.5);
   const double radius = std::max(2.0, 0.5 * size * scale);
-  const cv::Point fixed_centre = with_subpixels(centre);
-  cv::circle(picture, fixed_centre, static_cast<int>(std::lround(radius * (1 << kSubpixelBits))), colour, 1, cv::LINE_AA,
-             kSubpixelBits);
+  draw::circle(picture, centre, radius, colour);
   if (keypoint.angle < 0) return;
   const double angle = keypoint.angle * CV_PI / 180.0;
   const cv::Point2d tip = centre + radius * cv::Point2d(std::cos(angle), std::sin(angle));
-  cv::line(picture, fixed_centre, with_subpixels(tip), colour, 1, cv::LINE_AA, kSubpixelBits);
+  draw::line(picture, centre, tip, colour);
 }
 
 /// The title to the left, and what the colours mean to the right.

@@ -152,7 +152,7 @@ double median(std::vector<double> values) {
 
 }  // namespace
 
-std::vector<SeenImage> see_images(std::size_t count, const ImageReader& read, const FeatureOptions& options, int num_threads,
+std::vector<SeenImage> see_images(std::size_t count, const ReadImage& read, const FeatureOptions& options, int num_threads,
                                   const Progress& progress) {
   using Clock = std::chrono::steady_clock;
   const FeatureExtractor extractor(options);

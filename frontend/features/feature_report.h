@@ -22,10 +22,10 @@ struct SeenImage {
 };
 
 /// Gives the i-th image (CV_8UC1). Called from several threads at once.
-using ImageReader = std::function<cv::Mat(std::size_t i)>;
+using ReadImage = std::function<cv::Mat(std::size_t i)>;
 
 /// Extracts the features of `count` images on up to `num_threads` threads (0: all). Times are truest with one.
-std::vector<SeenImage> see_images(std::size_t count, const ImageReader& read, const FeatureOptions& options, int num_threads = 0,
+std::vector<SeenImage> see_images(std::size_t count, const ReadImage& read, const FeatureOptions& options, int num_threads = 0,
                                   const Progress& progress = {});
 
 struct FeatureReportOptions {

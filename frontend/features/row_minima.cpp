@@ -13,7 +13,7 @@ namespace {
 using Vector8 = float __attribute__((vector_size(32)));
 using Mask8 = std::int32_t __attribute__((vector_size(32)));
 
-constexpr std::size_t kLanes = 8;
+constexpr std::size_t kMinimaLanes = 8;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 #if defined(__GNUC__)
@@ -33,7 +33,7 @@ FABLOOP_ALWAYS_INLINE void fill(float value, Vector8& to) {
 FABLOOP_ALWAYS_INLINE float least_lane(Vector8 a, const Vector8& b) {
   lower(a, b);
   float least = kInfinity;
-  for (std::size_t lane = 0; lane < kLanes; ++lane) least = a[lane] < least ? a[lane] : least;
+  for (std::size_t lane = 0; lane < kMinimaLanes; ++lane) least = a[lane] < least ? a[lane] : least;
   return least;
 }
 
@@ -41,7 +41,7 @@ FABLOOP_ALWAYS_INLINE void to_distances(float* values, std::size_t size, float s
   Vector8 norm;
   fill(squared_norm, norm);
   const Vector8 zero = {};
-  for (std::size_t i = 0; i < size; i += kLanes) {
+  for (std::size_t i = 0; i < size; i += kMinimaLanes) {
     Vector8 product, norms;
     load(values + i, product);
     load(squared_norms + i, norms);
@@ -56,7 +56,7 @@ FABLOOP_ALWAYS_INLINE float least(const float* values, std::size_t size) {
   fill(kInfinity, high);
   for (std::size_t i = 0; i < size; i += kRowStep) {
     load(values + i, a);
-    load(values + i + kLanes, b);
+    load(values + i + kMinimaLanes, b);
     lower(low, a);
     lower(high, b);
   }
@@ -66,7 +66,7 @@ FABLOOP_ALWAYS_INLINE float least(const float* values, std::size_t size) {
 FABLOOP_ALWAYS_INLINE float least_and_lower(const float* values, std::size_t size, float* minima) {
   Vector8 a, minimum, low;
   fill(kInfinity, low);
-  for (std::size_t i = 0; i < size; i += kLanes) {
+  for (std::size_t i = 0; i < size; i += kMinimaLanes) {
     load(values + i, a);
     load(minima + i, minimum);
     lower(low, a);
@@ -81,7 +81,7 @@ FABLOOP_ALWAYS_INLINE std::size_t find(const float* values, std::size_t size, fl
   fill(value, wanted);
   for (std::size_t i = 0; i < size; i += kRowStep) {
     load(values + i, a);
-    load(values + i + kLanes, b);
+    load(values + i + kMinimaLanes, b);
     const Mask8 equal = (a == wanted) | (b == wanted);
     std::uint64_t parts[4];
     std::memcpy(parts, &equal, sizeof parts);
@@ -92,7 +92,7 @@ FABLOOP_ALWAYS_INLINE std::size_t find(const float* values, std::size_t size, fl
   return size;
 }
 
-struct Kernels {
+struct MinimaKernels {
   void (*to_distances)(float*, std::size_t, float, const float*);
   float (*least)(const float*, std::size_t);
   float (*least_and_lower)(const float*, std::size_t, float*);
@@ -121,15 +121,15 @@ FABLOOP_AVX2 float least_and_lower_avx2(const float* values, std::size_t size, f
 FABLOOP_AVX2 std::size_t find_avx2(const float* values, std::size_t size, float value) { return find(values, size, value); }
 #endif
 
-Kernels fastest_kernels() {
+MinimaKernels fastest_minima_kernels() {
 #if defined(__x86_64__)
   if (__builtin_cpu_supports("avx2")) return {to_distances_avx2, least_avx2, least_and_lower_avx2, find_avx2};
 #endif
   return {to_distances_baseline, least_baseline, least_and_lower_baseline, find_baseline};
 }
 
-const Kernels& kernels() {
-  static const Kernels fastest = fastest_kernels();
+const MinimaKernels& minima_kernels() {
+  static const MinimaKernels fastest = fastest_minima_kernels();
   return fastest;
 }
 
@@ -137,22 +137,22 @@ const Kernels& kernels() {
 
 void squared_distances_from_products(float* values, std::size_t size, float squared_norm, const float* squared_norms) {
   assert(size % kRowStep == 0);
-  kernels().to_distances(values, size, squared_norm, squared_norms);
+  minima_kernels().to_distances(values, size, squared_norm, squared_norms);
 }
 
 float least_of(const float* values, std::size_t size) {
   assert(size % kRowStep == 0);
-  return kernels().least(values, size);
+  return minima_kernels().least(values, size);
 }
 
 float least_of_and_lower(const float* values, std::size_t size, float* minima) {
   assert(size % kRowStep == 0);
-  return kernels().least_and_lower(values, size, minima);
+  return minima_kernels().least_and_lower(values, size, minima);
 }
 
 std::size_t first_equal(const float* values, std::size_t size, float value) {
   assert(size % kRowStep == 0);
-  return kernels().find(values, size, value);
+  return minima_kernels().find(values, size, value);
 }
 
 }  // namespace fabloop

@@ -6,6 +6,7 @@
 #include <sstream>
 #include <vector>
 
+#include "frontend/drawing.h"
 #include "frontend/recognition/plot.h"
 
 namespace fabloop {
@@ -14,7 +15,6 @@ namespace {
 constexpr int kWidth = 900, kPlotHeight = 560;
 constexpr int kLeft = 90, kTop = 100, kRight = 40, kAxisText = 60, kLine = 20, kFoot = 15;
 constexpr double kFootSize = 0.45;
-constexpr int kSubpixelBits = 4;
 
 const cv::Scalar kCurve(200, 90, 20);
 const cv::Scalar kFullPrecision(70, 160, 40);
@@ -35,22 +35,16 @@ std::string figures(const PrecisionRecall& result) {
   return text.str();
 }
 
-cv::Point subpixel(double x, double y) {
-  constexpr double kScale = 1 << kSubpixelBits;
-  return {static_cast<int>(std::lround(x * kScale)), static_cast<int>(std::lround(y * kScale))};
-}
-
 void draw_curve(cv::Mat& canvas, const PrecisionRecallCurve& curve, const plot::Axis& recall, const plot::Axis& precision) {
-  std::vector<cv::Point> path;
+  std::vector<cv::Point2d> path;
   for (const PrecisionRecallPoint& point : curve.points) {
-    if (path.empty()) path.push_back(subpixel(recall.pixel(0.0), precision.pixel(point.precision)));
-    path.push_back(subpixel(recall.pixel(point.recall), precision.pixel(point.precision)));
+    if (path.empty()) path.emplace_back(recall.pixel(0.0), precision.pixel(point.precision));
+    path.emplace_back(recall.pixel(point.recall), precision.pixel(point.precision));
   }
-  cv::polylines(canvas, path, false, kCurve, 2, cv::LINE_AA, kSubpixelBits);
+  draw::polyline(canvas, path, kCurve, 2);
   if (curve.full_precision_threshold) {
-    constexpr int kRadius = 5;
-    cv::circle(canvas, subpixel(recall.pixel(curve.recall_at_full_precision), precision.pixel(1.0)), kRadius << kSubpixelBits,
-               kFullPrecision, cv::FILLED, cv::LINE_AA, kSubpixelBits);
+    constexpr double kRadiusPx = 5;
+    draw::disc(canvas, {recall.pixel(curve.recall_at_full_precision), precision.pixel(1.0)}, kRadiusPx, kFullPrecision);
   }
 }
 

@@ -12,7 +12,7 @@ namespace fabloop {
 namespace {
 
 constexpr int kMatrixSize = 800;  ///< Pixels of the longer side.
-constexpr int kLeft = 85, kTop = 50, kBottom = 70, kGap = 90, kRight = 40;
+constexpr int kMatrixLeft = 85, kMatrixTop = 50, kMatrixBottom = 70, kGap = 90, kMatrixRight = 40;
 constexpr int kBarGap = 20, kBarWidth = 18, kBarText = 80;
 
 const cv::Vec3b kNoValue(214, 214, 214);
@@ -117,15 +117,15 @@ cv::Mat draw_matrix(const MatrixPicture& picture) {
   constexpr int kLeastSize = 120;
   const cv::Size size(std::max(kLeastSize, cells.cols * enlarged), std::max(kLeastSize, cells.rows * enlarged));
   const int truth_width = picture.truth ? kGap + size.width : 0;
-  cv::Mat canvas(kTop + size.height + kBottom, kLeft + size.width + kBarGap + kBarWidth + kBarText + truth_width + kRight,
-                 CV_8UC3, plot::kPaper);
-  const cv::Rect at({kLeft, kTop}, size);
+  cv::Mat canvas(kMatrixTop + size.height + kMatrixBottom,
+                 kMatrixLeft + size.width + kBarGap + kBarWidth + kBarText + truth_width + kMatrixRight, CV_8UC3, plot::kPaper);
+  const cv::Rect at({kMatrixLeft, kMatrixTop}, size);
   draw_panel(canvas, coloured(cells, picture.scale), at, picture.values, picture.title);
   draw_colour_bar(canvas, {at.br().x + kBarGap, at.y, kBarWidth, at.height}, picture.scale);
   if (picture.truth) {
-    const cv::Rect truth_at({at.br().x + kBarGap + kBarWidth + kBarText + kGap, kTop}, size);
+    const cv::Rect truth_at({at.br().x + kBarGap + kBarWidth + kBarText + kGap, kMatrixTop}, size);
     draw_panel(canvas, coloured_truth(picture.truth->cells()), truth_at, *picture.truth, "truth");
-    draw_truth_legend(canvas, {truth_at.br().x + 14, kTop - 18});
+    draw_truth_legend(canvas, {truth_at.br().x + 14, kMatrixTop - 18});
   }
   return canvas;
 }

@@ -15,7 +15,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// Images decoded at a time: enough to keep the threads busy, few enough for large images.
-constexpr std::size_t kBlockSize = 16;
+constexpr std::size_t kImagesReadAtOnce = 16;
 
 double seconds_between(Clock::time_point start, Clock::time_point end) {
   return std::chrono::duration<double>(end - start).count();
@@ -44,7 +44,7 @@ ObservedImages observe_images(ImageSource& source, const Model& model, const Obs
   };
   while (true) {
     const auto start = Clock::now();
-    const std::vector<SourceImage> block = source.next(kBlockSize);
+    const std::vector<SourceImage> block = source.next(kImagesReadAtOnce);
     result.read_s += seconds_between(start, Clock::now());
     if (block.empty()) break;
     std::vector<ObservedImage> observed(block.size());

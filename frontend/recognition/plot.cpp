@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <sstream>
 
+#include "frontend/drawing.h"
 #include "frontend/error.h"
 #include "frontend/output_file.h"
 
@@ -17,7 +18,9 @@ namespace {
 constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
 constexpr int kTickLength = 5;
 
-int text_height(double size) { return cv::getTextSize("0", kFont, size, 1, nullptr).height; }
+int text_thickness(double size) { return size < 0.9 ? 1 : 2; }
+
+int text_height(double size) { return cv::getTextSize("0", kFont, size, text_thickness(size), nullptr).height; }
 
 int rounded(double value) { return static_cast<int>(std::lround(value)); }
 
@@ -44,11 +47,13 @@ std::string tick_text(double value) {
   return text.str();
 }
 
-int text_width(const std::string& text, double size) { return cv::getTextSize(text, kFont, size, 1, nullptr).width; }
+int text_width(const std::string& text, double size) {
+  return cv::getTextSize(text, kFont, size, text_thickness(size), nullptr).width;
+}
 
 void write(cv::Mat& picture, const std::string& text, const cv::Point& at, double align, double size) {
   const int left = at.x - rounded(align * text_width(text, size));
-  cv::putText(picture, text, {left, at.y}, kFont, size, kInk, 1, cv::LINE_AA);
+  cv::putText(picture, text, {left, at.y}, kFont, size, kInk, text_thickness(size), cv::LINE_AA);
 }
 
 void write_upwards(cv::Mat& picture, const std::string& text, const cv::Point& centre, double size) {
@@ -60,6 +65,23 @@ void write_upwards(cv::Mat& picture, const std::string& text, const cv::Point& c
   const cv::Rect wanted(centre.x - line.cols / 2, centre.y - line.rows / 2, line.cols, line.rows);
   const cv::Rect visible = wanted & cv::Rect(0, 0, picture.cols, picture.rows);
   if (!visible.empty()) line(visible - wanted.tl()).copyTo(picture(visible));
+}
+
+void draw_scale_bar(cv::Mat& picture, const cv::Point2d& right_end, double px_per_unit, double max_width_px,
+                    const std::string& unit, double size) {
+  const double longest = max_width_px / px_per_unit;
+  const double power = std::pow(10.0, std::floor(std::log10(longest)));
+  double length = power;
+  for (const double factor : {2.0, 5.0}) {
+    if (factor * power <= longest) length = factor * power;
+  }
+  const cv::Point2d left_end = right_end - cv::Point2d(length * px_per_unit, 0);
+  const cv::Point2d tick(0, 11 * size);
+  const int thickness = std::max(2, rounded(4 * size));
+  draw::line(picture, left_end, right_end, kInk, thickness);
+  for (const cv::Point2d& end : {left_end, right_end}) draw::line(picture, end - tick, end + tick, kInk, thickness);
+  write(picture, tick_text(length) + " " + unit, {rounded(0.5 * (left_end.x + right_end.x)), rounded(right_end.y - 20 * size)},
+        0.5, size);
 }
 
 void draw_axes(cv::Mat& picture, const Axis& x, const Axis& y) {

@@ -36,10 +36,16 @@ std::string tick_text(double value);
 int text_width(const std::string& text, double size = kLabelSize);
 
 /// Writes left of, above or at a point: `align` is 0 for text that begins there, 0.5 for centred, 1 for text that ends there.
+/// Large text is bold.
 void write(cv::Mat& picture, const std::string& text, const cv::Point& at, double align = 0.0, double size = kLabelSize);
 
 /// Writes upwards, centred at a point.
 void write_upwards(cv::Mat& picture, const std::string& text, const cv::Point& centre, double size = kLabelSize);
+
+/// A bar of a round length (1, 2 or 5 times a power of ten) of at most `max_width_px`, its right end at a point, its length and
+/// unit written above in the given size, by which its strokes grow.
+void draw_scale_bar(cv::Mat& picture, const cv::Point2d& right_end, double px_per_unit, double max_width_px,
+                    const std::string& unit, double size = kLabelSize);
 
 /// Frame, ticks and labels: x below the frame, y on its left.
 void draw_axes(cv::Mat& picture, const Axis& x, const Axis& y);

@@ -7,13 +7,12 @@
 #include "frontend/error.h"
 #include "frontend/sequence/frames_csv.h"
 #include "frontend/sequence/image_folder.h"
+#include "frontend/sequence/trajectory.h"
 
 namespace fabloop {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 
 void require_folder(const fs::path& folder) {
   std::error_code error;

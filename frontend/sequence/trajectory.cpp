@@ -16,8 +16,6 @@
 namespace fabloop {
 namespace {
 
-constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
-
 /// Writers print 6 or more digits, so a unit quaternion is off by far less than this.
 constexpr double kMaxQuaternionNormError = 1e-2;
 

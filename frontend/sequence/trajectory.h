@@ -12,7 +12,10 @@
 
 namespace fabloop {
 
-/// Where a camera was at a time. Times are integer nanoseconds: a double loses them at epoch time.
+/// Stamps are whole nanoseconds: a double loses them at epoch time.
+inline constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
+
+/// Where a camera was at a time.
 struct StampedPose {
   std::int64_t time_ns = 0;
   Pose world_from_camera;

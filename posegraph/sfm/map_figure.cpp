@@ -6,6 +6,7 @@
 #include <map>
 #include <opencv2/imgproc.hpp>
 
+#include "frontend/drawing.h"
 #include "frontend/recognition/plot.h"
 #include "posegraph/trajectory_error.h"
 
@@ -14,18 +15,14 @@ namespace {
 
 constexpr int kPanelWidth = 1400;
 constexpr int kPanelHeight = 1400;
-constexpr int kMargin = 50;
+constexpr int kFigureMargin = 50;
 constexpr int kHead = 110;
 constexpr int kFoot = 150;
-constexpr int kSubpixelBits = 4;
+constexpr double kTextSize = 1.0, kTitleSize = 1.1;  // for print
 
-const cv::Scalar kPaper(255, 255, 255);
-const cv::Scalar kInk(40, 40, 40);
-const cv::Scalar kOdometry(120, 120, 120);
+const cv::Scalar kOdometryTrack(120, 120, 120);
 const cv::Scalar kTrack(20, 200, 255);  // amber: seen on grass, earth and asphalt alike
 const cv::Scalar kLoop(60, 150, 30);
-
-using Path = std::vector<cv::Point2d>;
 
 /// Frame to ground position, before and after.
 using Positions = std::map<std::size_t, Eigen::Vector2d>;
@@ -76,24 +73,6 @@ struct Panel {
   }
 };
 
-cv::Point subpixel(const cv::Point2d& p) {
-  constexpr double kScale = 1 << kSubpixelBits;
-  return {static_cast<int>(std::lround(p.x * kScale)), static_cast<int>(std::lround(p.y * kScale))};
-}
-
-void draw_line(cv::Mat& picture, const cv::Point2d& a, const cv::Point2d& b, const cv::Scalar& colour, int thickness) {
-  cv::line(picture, subpixel(a), subpixel(b), colour, thickness, cv::LINE_AA, kSubpixelBits);
-}
-
-void write_text(cv::Mat& picture, const std::string& text, const cv::Point& at, double scale = 1.0, int thickness = 2) {
-  cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, scale, kInk, thickness, cv::LINE_AA);
-}
-
-int text_width(const std::string& text, double scale = 1.0) {
-  int baseline = 0;
-  return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, scale, 2, &baseline).width;
-}
-
 void draw_loops(cv::Mat& picture, const Panel& panel, const Positions& positions, const std::vector<LoopLink>& loops,
                 double opacity) {
   constexpr std::size_t kManyLoops = 300;
@@ -102,7 +81,7 @@ void draw_loops(cv::Mat& picture, const Panel& panel, const Positions& positions
     const auto query = positions.find(loop.query);
     const auto match = positions.find(loop.match);
     if (query == positions.end() || match == positions.end()) continue;
-    draw_line(lines, panel(query->second), panel(match->second), kLoop, loops.size() > kManyLoops ? 1 : 2);
+    draw::line(lines, panel(query->second), panel(match->second), kLoop, loops.size() > kManyLoops ? 1 : 2);
   }
   cv::addWeighted(lines, opacity, picture, 1 - opacity, 0.0, picture);
 }
@@ -114,17 +93,16 @@ void draw_track(cv::Mat& picture, const Panel& panel, const Positions& positions
     cv::Point2d last;
     for (const auto& [frame, x] : positions) {
       const cv::Point2d at = panel(x);
-      if (before != nullptr) draw_line(picture, last, at, is_halo ? halo : colour, is_halo ? 7 : 3);
+      if (before != nullptr) draw::line(picture, last, at, is_halo ? halo : colour, is_halo ? 7 : 3);
       last = at;
       before = &last;
     }
   }
-  for (const auto& [frame, x] : positions)
-    cv::circle(picture, subpixel(panel(x)), 4 << kSubpixelBits, colour, -1, cv::LINE_AA, kSubpixelBits);
+  for (const auto& [frame, x] : positions) draw::disc(picture, panel(x), 4, colour);
   if (positions.empty()) return;
   const cv::Point2d start = panel(positions.begin()->second);
-  cv::circle(picture, subpixel(start), 14 << kSubpixelBits, kPaper, 7, cv::LINE_AA, kSubpixelBits);
-  cv::circle(picture, subpixel(start), 14 << kSubpixelBits, kInk, 3, cv::LINE_AA, kSubpixelBits);
+  draw::circle(picture, start, 14, plot::kPaper, 7);
+  draw::circle(picture, start, 14, plot::kInk, 3);
 }
 
 void draw_texture(cv::Mat& picture, const Panel& panel, const GroundPicture& ground) {
@@ -146,51 +124,29 @@ void draw_texture(cv::Mat& picture, const Panel& panel, const GroundPicture& gro
   colour(part).copyTo(picture(inside), mask(part) > 0.99F);
 }
 
-/// A round length of about a fifth of the panel.
-double scale_bar_length(double px_per_unit) {
-  const double wanted = 0.22 * kPanelWidth / px_per_unit;
-  const double power = std::pow(10.0, std::floor(std::log10(wanted)));
-  for (const double step : {5.0, 2.0}) {
-    if (step * power <= wanted) return step * power;
-  }
-  return power;
-}
-
-std::string length_text(double length, LengthUnit unit) {
-  std::string text = std::to_string(length);
-  text.erase(text.find_last_not_of('0') + 1);
-  if (text.back() == '.') text.pop_back();
-  return text + (unit == LengthUnit::Metres ? " m" : " units");
-}
-
-struct LegendEntry {
+struct FigureLegendEntry {
   cv::Scalar colour;
   std::string text;
 };
 
-void draw_foot(cv::Mat& picture, const Panel& panel, const std::vector<LegendEntry>& entries, LengthUnit unit) {
+void draw_foot(cv::Mat& picture, const Panel& panel, const std::vector<FigureLegendEntry>& entries, LengthUnit unit) {
   const int y = picture.rows - kFoot + 75;
-  int x = kMargin;
-  for (const LegendEntry& entry : entries) {
-    draw_line(picture, cv::Point2d(x, y - 10), cv::Point2d(x + 50, y - 10), entry.colour, 6);
-    write_text(picture, entry.text, {x + 65, y});
-    x += 110 + text_width(entry.text);
+  int x = kFigureMargin;
+  for (const FigureLegendEntry& entry : entries) {
+    draw::line(picture, cv::Point2d(x, y - 10), cv::Point2d(x + 50, y - 10), entry.colour, 6);
+    plot::write(picture, entry.text, {x + 65, y}, 0.0, kTextSize);
+    x += 110 + plot::text_width(entry.text, kTextSize);
   }
-  const double length = scale_bar_length(panel.px_per_unit);
-  const cv::Point2d end(picture.cols - kMargin, y + 25);
-  const cv::Point2d start = end - cv::Point2d(length * panel.px_per_unit, 0);
-  draw_line(picture, start, end, kInk, 4);
-  for (const cv::Point2d& p : {start, end}) draw_line(picture, p - cv::Point2d(0, 12), p + cv::Point2d(0, 12), kInk, 4);
-  const std::string text = length_text(length, unit);
-  write_text(picture, text, {static_cast<int>(0.5 * (start.x + end.x)) - text_width(text) / 2, y - 5});
+  plot::draw_scale_bar(picture, cv::Point2d(picture.cols - kFigureMargin, y + 25), panel.px_per_unit, 0.22 * kPanelWidth,
+                       unit == LengthUnit::Metres ? "m" : "units", kTextSize);
 }
 
 void draw_north(cv::Mat& picture, const cv::Point2d& at) {
   const cv::Point2d tip = at - cv::Point2d(0, 50);
-  draw_line(picture, at, tip, kInk, 4);
-  draw_line(picture, tip, tip + cv::Point2d(-12, 20), kInk, 4);
-  draw_line(picture, tip, tip + cv::Point2d(12, 20), kInk, 4);
-  write_text(picture, "N", {static_cast<int>(tip.x) - 11, static_cast<int>(tip.y) - 12});
+  draw::line(picture, at, tip, plot::kInk, 4);
+  draw::line(picture, tip, tip + cv::Point2d(-12, 20), plot::kInk, 4);
+  draw::line(picture, tip, tip + cv::Point2d(12, 20), plot::kInk, 4);
+  plot::write(picture, "N", {static_cast<int>(tip.x), static_cast<int>(tip.y) - 12}, 0.5, kTextSize);
 }
 
 /// One panel or two of the same scale that hold everything drawn.
@@ -211,11 +167,11 @@ std::vector<Panel> lay_out(const MapFigure& figure, const Positions& before, con
   const int width = static_cast<int>(std::ceil(extent.x() * px_per_unit));
   const int height = static_cast<int>(std::ceil(extent.y() * px_per_unit));
   const Eigen::Vector2d north_west(low.x(), high.y());
-  std::vector<Panel> panels{{cv::Point2d(kMargin, kHead), north_west, px_per_unit}};
-  if (!before.empty()) panels.push_back({cv::Point2d(2 * kMargin + width, kHead), north_west, px_per_unit});
+  std::vector<Panel> panels{{cv::Point2d(kFigureMargin, kHead), north_west, px_per_unit}};
+  if (!before.empty()) panels.push_back({cv::Point2d(2 * kFigureMargin + width, kHead), north_west, px_per_unit});
   const int num_panels = static_cast<int>(panels.size());
   constexpr int kLeastWidth = 1500;  // of the legend
-  size = {std::max(kLeastWidth, kMargin + num_panels * (width + kMargin)), kHead + height + kFoot};
+  size = {std::max(kLeastWidth, kFigureMargin + num_panels * (width + kFigureMargin)), kHead + height + kFoot};
   return panels;
 }
 
@@ -226,27 +182,27 @@ cv::Mat3b draw_map_figure(const MapFigure& figure) {
   const Positions after = positions_after(figure);
   cv::Size size;
   const std::vector<Panel> panels = lay_out(figure, before, after, size);
-  cv::Mat picture(size, CV_8UC3, kPaper);
+  cv::Mat picture(size, CV_8UC3, plot::kPaper);
   const Panel& map = panels.back();
   const std::string what = figure.loops.empty() ? "" : " and the " + std::to_string(figure.loops.size()) + " loops found";
   if (panels.size() > 1) {
     constexpr double kOverPaper = 0.7;
     draw_loops(picture, panels.front(), before, figure.loops, kOverPaper);
-    draw_track(picture, panels.front(), before, kOdometry, kPaper);
-    write_text(picture, "before: odometry" + what, {kMargin, kHead - 25}, 1.1);
+    draw_track(picture, panels.front(), before, kOdometryTrack, plot::kPaper);
+    plot::write(picture, "before: odometry" + what, {kFigureMargin, kHead - 25}, 0.0, kTitleSize);
   }
   draw_texture(picture, map, figure.picture);
   constexpr double kOverTexture = 0.35;
   if (panels.size() == 1) draw_loops(picture, map, after, figure.loops, kOverTexture);
-  draw_track(picture, map, after, kTrack, kInk);
-  write_text(picture, (panels.size() > 1 ? "after: " : "") + std::string("textured map of ") + figure.title,
-             {static_cast<int>(map.corner.x), kHead - 25}, 1.1);
-  std::vector<LegendEntry> legend;
-  if (panels.size() > 1) legend.push_back({kOdometry, "odometry"});
+  draw_track(picture, map, after, kTrack, plot::kInk);
+  plot::write(picture, (panels.size() > 1 ? "after: " : "") + std::string("textured map of ") + figure.title,
+              {static_cast<int>(map.corner.x), kHead - 25}, 0.0, kTitleSize);
+  std::vector<FigureLegendEntry> legend;
+  if (panels.size() > 1) legend.push_back({kOdometryTrack, "odometry"});
   legend.push_back({kTrack, "trajectory"});
   if (!figure.loops.empty()) legend.push_back({kLoop, "loop"});
   draw_foot(picture, map, legend, figure.reconstruction.unit);
-  if (figure.reconstruction.origin) draw_north(picture, {picture.cols - kMargin - 20.0, kHead - 20.0});
+  if (figure.reconstruction.origin) draw_north(picture, {picture.cols - kFigureMargin - 20.0, kHead - 20.0});
   return picture;
 }
 

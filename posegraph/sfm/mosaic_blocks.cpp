@@ -76,9 +76,9 @@ std::vector<std::uint32_t> candidates_for(const Look& look, const GroundGrid& gr
       const double row = part.y + (part.height - 1) * (i / kSamples) / (kSamples - 1.0);
       const Eigen::Vector2d x = grid.ground_at(column, row);
       const auto pixel = look.views[v].project({x.x(), x.y(), height_at(look.surface, x)});
-      constexpr double kMargin = 0.1;
-      shows = pixel && pixel->x() > -kMargin * camera.width && pixel->x() < (1 + kMargin) * camera.width &&
-              pixel->y() > -kMargin * camera.height && pixel->y() < (1 + kMargin) * camera.height;
+      constexpr double kBorderShare = 0.1;
+      shows = pixel && pixel->x() > -kBorderShare * camera.width && pixel->x() < (1 + kBorderShare) * camera.width &&
+              pixel->y() > -kBorderShare * camera.height && pixel->y() < (1 + kBorderShare) * camera.height;
     }
     if (shows) candidates.push_back(v);
   }

@@ -5,16 +5,16 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <opencv2/imgproc.hpp>
-#include <sstream>
-#include <string>
+#include <vector>
+
+#include "frontend/drawing.h"
+#include "frontend/recognition/plot.h"
 
 namespace fabloop {
 namespace {
 
 constexpr int kLongSide = 1400;
-constexpr int kMargin = 40;
-constexpr int kSubpixelBits = 4;
+constexpr int kBorderPx = 40;
 
 /// Rows: right, up of the picture, and towards the viewer, in the world.
 Eigen::Matrix3d picture_axes(const Reconstruction& map) {
@@ -58,10 +58,10 @@ class FromAbove {
       high(axis) = std::max(high(axis), values[values.size() - 1 - values.size() / 100]);
     }
     const Eigen::Vector2d extent = (high - low).cwiseMax(1e-9);
-    px_per_unit_ = (kLongSide - 2 * kMargin) / extent.maxCoeff();
+    px_per_unit_ = (kLongSide - 2 * kBorderPx) / extent.maxCoeff();
     low_ = low;
-    height_ = static_cast<int>(std::ceil(extent.y() * px_per_unit_)) + 2 * kMargin;
-    width_ = static_cast<int>(std::ceil(extent.x() * px_per_unit_)) + 2 * kMargin;
+    height_ = static_cast<int>(std::ceil(extent.y() * px_per_unit_)) + 2 * kBorderPx;
+    width_ = static_cast<int>(std::ceil(extent.x() * px_per_unit_)) + 2 * kBorderPx;
   }
 
   cv::Size size() const { return {width_, height_}; }
@@ -70,7 +70,7 @@ class FromAbove {
 
   cv::Point2d operator()(const Eigen::Vector3d& x_in_world) const {
     const Eigen::Vector2d x = ((axes_ * x_in_world).head<2>() - low_) * px_per_unit_;
-    return {kMargin + x.x(), height_ - kMargin - x.y()};
+    return {kBorderPx + x.x(), height_ - kBorderPx - x.y()};
   }
 
  private:
@@ -102,38 +102,21 @@ void draw_points(cv::Mat& picture, const FromAbove& from_above, const Reconstruc
   }
 }
 
-void draw_line(cv::Mat& picture, const cv::Point2d& a, const cv::Point2d& b, const cv::Scalar& colour, int thickness) {
-  const auto subpixel = [](const cv::Point2d& p) {
-    constexpr double kScale = 1 << kSubpixelBits;
-    return cv::Point(static_cast<int>(std::lround(p.x * kScale)), static_cast<int>(std::lround(p.y * kScale)));
-  };
-  cv::line(picture, subpixel(a), subpixel(b), colour, thickness, cv::LINE_AA, kSubpixelBits);
-}
-
-void draw_scale_bar(cv::Mat& picture, double px_per_m) {
-  const double wanted = 0.2 * picture.cols / px_per_m;
-  const double power = std::pow(10.0, std::floor(std::log10(wanted)));
-  const double length = 5 * power <= wanted ? 5 * power : 2 * power <= wanted ? 2 * power : power;
-  const cv::Point2d end(picture.cols - kMargin, picture.rows - 15);
-  draw_line(picture, end - cv::Point2d(length * px_per_m, 0), end, cv::Scalar(0, 0, 0), 3);
-  std::ostringstream text;
-  text << length << " m";
-  cv::putText(picture, text.str(), {static_cast<int>(end.x - length * px_per_m), picture.rows - 20}, cv::FONT_HERSHEY_SIMPLEX,
-              0.5, cv::Scalar(0, 0, 0), 1, cv::LINE_AA);
-}
-
 }  // namespace
 
 cv::Mat draw_reconstruction(const Reconstruction& map, const std::vector<std::pair<std::size_t, std::size_t>>& loops) {
   const FromAbove from_above(map);
-  cv::Mat picture(from_above.size(), CV_8UC3, cv::Scalar(255, 255, 255));
+  cv::Mat picture(from_above.size(), CV_8UC3, plot::kPaper);
   draw_points(picture, from_above, map);
   const cv::Scalar green(80, 220, 80);
   const cv::Scalar blue(230, 90, 20);
   const auto centre = [&](std::size_t image) { return from_above(map.images[image].world_from_camera.translation); };
-  for (const auto& [query, match] : loops) draw_line(picture, centre(query), centre(match), green, 1);
-  for (std::size_t i = 1; i < map.images.size(); ++i) draw_line(picture, centre(i - 1), centre(i), blue, 2);
-  if (map.unit == LengthUnit::Metres) draw_scale_bar(picture, from_above.px_per_unit());
+  for (const auto& [query, match] : loops) draw::line(picture, centre(query), centre(match), green, 1);
+  for (std::size_t i = 1; i < map.images.size(); ++i) draw::line(picture, centre(i - 1), centre(i), blue, 2);
+  if (map.unit == LengthUnit::Metres) {
+    plot::draw_scale_bar(picture, cv::Point2d(picture.cols - kBorderPx, picture.rows - 15), from_above.px_per_unit(),
+                         0.2 * picture.cols, "m");
+  }
   return picture;
 }
 

@@ -14,12 +14,6 @@ namespace {
 namespace fs = std::filesystem;
 using namespace testing_support;
 
-std::set<std::string> names_in(const fs::path& folder) {
-  std::set<std::string> names;
-  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename().string());
-  return names;
-}
-
 /// A folder of three images without a calibration.
 class FeaturesCommand : public testing::Test {
  protected:

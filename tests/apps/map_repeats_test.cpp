@@ -21,12 +21,6 @@ void run_map(const fs::path& out, const std::string& num_threads) {
   ASSERT_EQ(result.exit_code, 0) << result.err;
 }
 
-std::set<std::string> names_in(const fs::path& folder) {
-  std::set<std::string> names;
-  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename().string());
-  return names;
-}
-
 /// What a summary says, but for how long it took.
 nlohmann::json summary_without_timings(const fs::path& path) {
   nlohmann::json summary = nlohmann::json::parse(bytes_of(path));

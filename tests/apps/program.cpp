@@ -84,6 +84,12 @@ void expect_empty(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder)) ADD_FAILURE() << entry.path() << " was left";
 }
 
+std::set<std::string> names_in(const fs::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename().string());
+  return names;
+}
+
 std::string bytes_of(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   EXPECT_TRUE(file) << path;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,9 @@ void expect_refused(const ProgramResult& result, const std::string& culprit);
 
 /// Succeeds when there is nothing in the folder: no result, no part of one.
 void expect_empty(const std::filesystem::path& folder);
+
+/// What is in the folder, files and folders.
+std::set<std::string> names_in(const std::filesystem::path& folder);
 
 /// All of a file's bytes.
 std::string bytes_of(const std::filesystem::path& path);

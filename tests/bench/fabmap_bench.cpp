@@ -16,7 +16,7 @@ constexpr std::size_t kNumWords = 10000;
 constexpr double kMeanP = 0.03;  // About 300 words an image.
 
 const ChowLiuTree& tree() {
-  static const ChowLiuTree result = testing::random_tree(kNumWords, kMeanP, 1);
+  static const ChowLiuTree result = testing_support::random_tree(kNumWords, kMeanP, 1);
   return result;
 }
 
@@ -27,7 +27,7 @@ double allocated_bytes() {
 }
 
 /// A map of many places. Large ones repeat 10,000 drawn places, since drawing takes longer than adding.
-PlaceRecognizer map_of(std::size_t num_places, testing::TreeSampler& sampler,
+PlaceRecognizer map_of(std::size_t num_places, testing_support::TreeSampler& sampler,
                        LikelihoodEngine engine = LikelihoodEngine::InvertedIndex) {
   PlaceRecognizerOptions options;
   options.engine = engine;
@@ -38,7 +38,7 @@ PlaceRecognizer map_of(std::size_t num_places, testing::TreeSampler& sampler,
 }
 
 void query(benchmark::State& state, LikelihoodEngine engine) {
-  testing::TreeSampler sampler(tree(), 2);
+  testing_support::TreeSampler sampler(tree(), 2);
   const double bytes_before = allocated_bytes();
   const PlaceRecognizer recognizer = map_of(static_cast<std::size_t>(state.range(0)), sampler, engine);
   const double bytes = allocated_bytes() - bytes_before;
@@ -77,7 +77,7 @@ BENCHMARK_CAPTURE(query, exact, LikelihoodEngine::Exact)
 
 /// A map of video: every place was visited ten times.
 void query_after_revisits(benchmark::State& state) {
-  testing::TreeSampler sampler(tree(), 2);
+  testing_support::TreeSampler sampler(tree(), 2);
   PlaceRecognizer recognizer = map_of(static_cast<std::size_t>(state.range(0)), sampler);
   const std::vector<Observation> visits = sampler.draw(9);
   for (PlaceId place = 0; place < recognizer.num_places(); ++place) {
@@ -95,7 +95,7 @@ BENCHMARK(query_after_revisits)
     ->Unit(benchmark::kMillisecond);
 
 void add_place(benchmark::State& state) {
-  testing::TreeSampler sampler(tree(), 3);
+  testing_support::TreeSampler sampler(tree(), 3);
   PlaceRecognizer recognizer = map_of(static_cast<std::size_t>(state.range(0)), sampler);
   const std::vector<Observation> observations = sampler.draw(256);
   std::size_t i = 0;

@@ -142,8 +142,8 @@ void load_model(benchmark::State& state) {
   const auto path = std::filesystem::temp_directory_path() / "fabloop_bench.fabmap";
   Model model;
   model.vocabulary.words = random_descriptors(num_words, 128, 8);
-  model.tree = testing::random_tree(static_cast<std::size_t>(num_words), 0.03, 8);
-  model.background = testing::TreeSampler(model.tree, 8).draw(1000);
+  model.tree = testing_support::random_tree(static_cast<std::size_t>(num_words), 0.03, 8);
+  model.background = testing_support::TreeSampler(model.tree, 8).draw(1000);
   write_model(path, model);
   for (auto _ : state) benchmark::DoNotOptimize(read_model(path));
   state.counters["MB"] = static_cast<double>(std::filesystem::file_size(path)) * 1e-6;

@@ -17,7 +17,7 @@ using test::random_graph;
 using test::scatter;
 
 /// Linear systems of a few dozen unknowns, solved in double precision; poses are a few metres apart.
-constexpr double kRounding = 1e-9;
+constexpr double kRelaxationRounding = 1e-9;
 
 TEST(Initialization, IsExactWhereAllEdgesAgreeWhateverThePosesWere) {
   for (const int dimension : {2, 3}) {
@@ -27,8 +27,8 @@ TEST(Initialization, IsExactWhereAllEdgesAgreeWhateverThePosesWere) {
       scatter(graph, seed);
       ASSERT_GT(largest_distance(graph, truth), 1.0);
       initialize_chordal(graph);
-      EXPECT_LT(largest_distance(graph, truth), kRounding);
-      EXPECT_LT(largest_angle(graph, truth), kRounding);
+      EXPECT_LT(largest_distance(graph, truth), kRelaxationRounding);
+      EXPECT_LT(largest_angle(graph, truth), kRelaxationRounding);
     }
   }
 }
@@ -45,7 +45,7 @@ TEST(Initialization, KeepsFixedVerticesAndJoinsTheRestToAllOfThem) {
     EXPECT_EQ(graph.vertices[v].world_from_frame.translation, before.vertices[v].world_from_frame.translation);
     EXPECT_EQ(graph.vertices[v].world_from_frame.rotation.coeffs(), before.vertices[v].world_from_frame.rotation.coeffs());
   }
-  EXPECT_LT(largest_distance(graph, truth), kRounding);
+  EXPECT_LT(largest_distance(graph, truth), kRelaxationRounding);
 }
 
 TEST(Initialization, EachComponentHangsOnItsOwnAnchor) {
@@ -61,7 +61,7 @@ TEST(Initialization, EachComponentHangsOnItsOwnAnchor) {
   PoseGraph graph = truth;
   for (std::size_t v = 1; v < 20; ++v) graph.vertices[v].world_from_frame = {};
   initialize_chordal(graph);
-  EXPECT_LT(largest_distance(graph, truth), kRounding);
+  EXPECT_LT(largest_distance(graph, truth), kRelaxationRounding);
 }
 
 TEST(Initialization, EdgesWithoutInformationStillSayWhereToStart) {
@@ -75,7 +75,7 @@ TEST(Initialization, EdgesWithoutInformationStillSayWhereToStart) {
   for (Edge& edge : graph.edges) edge.information.setZero();
   scatter(graph, 1);
   initialize_chordal(graph);
-  EXPECT_LT(largest_distance(graph, truth), kRounding);
+  EXPECT_LT(largest_distance(graph, truth), kRelaxationRounding);
 }
 
 TEST(Initialization, EdgesWithoutScaleTurnVerticesAndHardlyMoveThem) {
@@ -90,7 +90,7 @@ TEST(Initialization, EdgesWithoutScaleTurnVerticesAndHardlyMoveThem) {
   initialize_chordal(graph);
   // Weights 1e9 apart, wrong by the size of the map.
   EXPECT_LT(largest_distance(graph, truth), 1e-5);
-  EXPECT_LT(largest_angle(graph, truth), kRounding);
+  EXPECT_LT(largest_angle(graph, truth), kRelaxationRounding);
 }
 
 TEST(Initialization, ScatteredGraphsReachTheOptimumThatTheTruthLeadsTo) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "frontend/error.h"
+#include "tests/posegraph/objectives.h"
 #include "tests/posegraph/synthetic_graph.h"
 
 namespace fabloop {
@@ -17,7 +18,7 @@ using test::make_circle;
 using test::rotation_from_vector;
 using test::shift;
 
-constexpr Objective kObjectives[] = {Objective::Chordal, Objective::RotationVector, Objective::Quaternion};
+using test::kObjectives;
 
 /// Sums of a few dozen squares of differences of numbers near 10.
 constexpr double kRounding = 1e-18;

@@ -17,7 +17,7 @@ using test::largest_distance;
 using test::random_graph;
 
 /// A solver that stops when the cost no longer falls leaves the poses this close to the optimum.
-constexpr double kSolverError = 1e-5;
+constexpr double kPriorSolverError = 1e-5;
 
 void add_prior(PoseGraph& graph, std::size_t vertex, PriorKind kind) {
   graph.priors.push_back({vertex, kind, graph.vertices[vertex].world_from_frame, Matrix6d::Identity()});
@@ -74,8 +74,8 @@ TEST(Priors, PositionsPutAMapWhereTheyAre) {
       const OptimizeReport report = optimize(graph, {.initialization = start});
       EXPECT_TRUE(report.anchors.empty());
       EXPECT_EQ(report.priors.size(), 4u);
-      EXPECT_LT(largest_distance(graph, truth), kSolverError) << report.full();
-      EXPECT_LT(largest_angle(graph, truth), kSolverError);
+      EXPECT_LT(largest_distance(graph, truth), kPriorSolverError) << report.full();
+      EXPECT_LT(largest_angle(graph, truth), kPriorSolverError);
     }
   }
 }
@@ -87,8 +87,8 @@ TEST(Priors, OnePoseIsEnough) {
     add_prior(graph, 7, PriorKind::Pose);
     displace(graph, {0.0, 0.0, 0.5});
     optimize(graph, {.initialization = Initialization::LowestCost});
-    EXPECT_LT(largest_distance(graph, truth), kSolverError);
-    EXPECT_LT(largest_angle(graph, truth), kSolverError);
+    EXPECT_LT(largest_distance(graph, truth), kPriorSolverError);
+    EXPECT_LT(largest_angle(graph, truth), kPriorSolverError);
   }
 }
 

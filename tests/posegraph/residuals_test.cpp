@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tests/posegraph/numeric_derivatives.h"
+#include "tests/posegraph/objectives.h"
 #include "tests/posegraph/random_graph.h"
 
 namespace fabloop {
@@ -16,7 +17,7 @@ using test::Blocks;
 using test::evaluate;
 using test::expect_derivatives;
 
-constexpr Objective kObjectives[] = {Objective::Chordal, Objective::RotationVector, Objective::Quaternion};
+using test::kObjectives;
 
 Blocks spatial_blocks(const Pose& i, const Pose& j) {
   const auto numbers = [](const auto& v) { return std::vector<double>(v.data(), v.data() + v.size()); };

@@ -19,10 +19,10 @@ using test::RandomPoses;
 using test::ScratchFolder;
 using testing::HasSubstr;
 
-constexpr const char* kUnitInformation = " 1 0 0 0 0 0 0 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1";
+constexpr const char* kUnitSimilarityInformation = " 1 0 0 0 0 0 0 1 0 0 0 0 0 1 0 0 0 0 1 0 0 0 1 0 0 1 0 1";
 
 /// Products of a few numbers near 1.
-constexpr double kRounding = 1e-12;
+constexpr double kFileRounding = 1e-12;
 
 std::string vertex(int id, const std::string& scale = "1") {
   return "VERTEX_SIM3:QUAT " + std::to_string(id) + " 1 2 3 0 0 0 1 " + scale + "\n";
@@ -100,16 +100,16 @@ TEST(SimilarityG2o, LogarithmsAreReadAsG2oWritesThem) {
   const SimilarityGraph read = read_similarity_g2o(folder.write("exponential.g2o", text.str() + "\n"));
   for (const std::size_t v : {0, 1}) {
     const Similarity& expected = graph.vertices[v].world_from_frame;
-    EXPECT_LT(log_of(read.vertices[v].world_from_frame.inverse() * expected).norm(), kRounding * 1e2);
+    EXPECT_LT(log_of(read.vertices[v].world_from_frame.inverse() * expected).norm(), kFileRounding * 1e2);
   }
-  EXPECT_LT(log_of(read.edges[0].from_from_to.inverse() * edge.from_from_to).norm(), kRounding * 1e2);
-  EXPECT_LT((read.edges[0].information - edge.information).norm(), kRounding * 1e2);
+  EXPECT_LT(log_of(read.edges[0].from_from_to.inverse() * edge.from_from_to).norm(), kFileRounding * 1e2);
+  EXPECT_LT((read.edges[0].information - edge.information).norm(), kFileRounding * 1e2);
 }
 
 TEST(SimilarityG2o, FilesWithoutVerticesAreChained) {
   const ScratchFolder folder;
-  const auto path = folder.write("edges.g2o", "EDGE_SIM3:QUAT 5 7 1 0 0 0 0 0 1 2" + std::string(kUnitInformation) +
-                                                  "\nEDGE_SIM3:QUAT 7 9 1 0 0 0 0 0 1 2" + kUnitInformation + "\n");
+  const auto path = folder.write("edges.g2o", "EDGE_SIM3:QUAT 5 7 1 0 0 0 0 0 1 2" + std::string(kUnitSimilarityInformation) +
+                                                  "\nEDGE_SIM3:QUAT 7 9 1 0 0 0 0 0 1 2" + kUnitSimilarityInformation + "\n");
   const SimilarityGraph graph = read_similarity_g2o(path);
   ASSERT_EQ(graph.vertices.size(), 3u);
   EXPECT_EQ(graph.vertices[2].id, 9);
@@ -127,7 +127,7 @@ TEST(SimilarityG2o, NamesTheLineThatIsWrong) {
   EXPECT_THAT(message(vertex(0) + vertex(0)), HasSubstr("bad.g2o:2: vertex 0 is there twice"));
   EXPECT_THAT(message("VERTEX_SIM3:QUAT 0 1 2 3 0 0 0 1\n"), HasSubstr("has 9 columns, not 10"));
   EXPECT_THAT(message(vertex(0) + "EDGE_SE3:QUAT 0 1\n"), HasSubstr("bad.g2o:2: unknown tag 'EDGE_SE3:QUAT'"));
-  EXPECT_THAT(message(vertex(0) + "EDGE_SIM3:QUAT 0 1 1 0 0 0 0 0 1 1" + kUnitInformation + "\n"),
+  EXPECT_THAT(message(vertex(0) + "EDGE_SIM3:QUAT 0 1 1 0 0 0 0 0 1 1" + kUnitSimilarityInformation + "\n"),
               HasSubstr("bad.g2o:2: there is no vertex 1"));
   EXPECT_THAT(message("# nothing\n"), HasSubstr("has no vertices and no edges"));
 }

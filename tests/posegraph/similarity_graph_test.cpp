@@ -9,6 +9,7 @@
 #include "posegraph/residuals/similarity_residual.h"
 #include "posegraph/trajectory_error.h"
 #include "tests/posegraph/numeric_derivatives.h"
+#include "tests/posegraph/objectives.h"
 #include "tests/posegraph/random_graph.h"
 
 namespace fabloop {
@@ -16,10 +17,10 @@ namespace {
 
 using test::RandomPoses;
 
-constexpr Objective kObjectives[] = {Objective::Chordal, Objective::RotationVector, Objective::Quaternion};
+using test::kObjectives;
 
 /// A solver that stops when the cost no longer falls leaves exact graphs this close to the truth.
-constexpr double kSolverError = 1e-6;
+constexpr double kSimilaritySolverError = 1e-6;
 
 Similarity random_similarity(RandomPoses& random, double size_m) {
   const Pose pose = random.pose(size_m);
@@ -95,15 +96,15 @@ TEST(SimilarityGraph, CostsAreTheFormulasOfEachObjective) {
     const Matrix7d& information = graph.edges[0].information;
     const auto cost = [&](Objective objective) { return evaluate_cost(graph, {.objective = objective}); };
     // Sums of squares of numbers up to a hundred.
-    constexpr double kRounding = 1e-9;
-    EXPECT_NEAR(cost(Objective::RotationVector), e.dot(information * e), kRounding);
+    constexpr double kCostRounding = 1e-9;
+    EXPECT_NEAR(cost(Objective::RotationVector), e.dot(information * e), kCostRounding);
     e.segment<3>(3) = 2.0 * std::sin(0.5 * angle) * axis;
-    EXPECT_NEAR(cost(Objective::Quaternion), e.dot(information * e), kRounding);
+    EXPECT_NEAR(cost(Objective::Quaternion), e.dot(information * e), kCostRounding);
     const double tau = 3.0 / information.topLeftCorner<3, 3>().inverse().trace();
     const double kappa = 3.0 / (2.0 * information.block<3, 3>(3, 3).inverse().trace());
     const double chordal = tau * error.translation.squaredNorm() + 8.0 * kappa * std::pow(std::sin(0.5 * angle), 2) +
                            information(6, 6) * e(6) * e(6);
-    EXPECT_NEAR(cost(Objective::Chordal), chordal, kRounding);
+    EXPECT_NEAR(cost(Objective::Chordal), chordal, kCostRounding);
   }
 }
 
@@ -128,15 +129,15 @@ TEST(SimilarityGraph, ExactEdgesLeadToTheTruthFromAnywhere) {
     }
     SimilarityGraph chained = scattered;
     chain_along_edges(chained);
-    EXPECT_LT(largest_difference(chained, truth), kSolverError);
+    EXPECT_LT(largest_difference(chained, truth), kSimilaritySolverError);
     SimilarityGraph relaxed = scattered;
     initialize_chordal(relaxed);
-    EXPECT_LT(largest_difference(relaxed, truth), kSolverError);
+    EXPECT_LT(largest_difference(relaxed, truth), kSimilaritySolverError);
     for (const Objective objective : kObjectives) {
       SimilarityGraph solved = scattered;
       const OptimizeReport report = optimize(solved, {.objective = objective, .initialization = Initialization::LowestCost});
       EXPECT_NE(report.start, Initialization::AsGiven);
-      EXPECT_LT(largest_difference(solved, truth), kSolverError);
+      EXPECT_LT(largest_difference(solved, truth), kSimilaritySolverError);
     }
   }
 }
@@ -265,7 +266,7 @@ TEST(SimilarityGraph, FixedVerticesStayAndJoinPiecesOfOtherUnits) {
   }
   const OptimizeReport report = optimize(graph, {.initialization = Initialization::LowestCost});
   EXPECT_EQ(report.anchors, (std::vector<std::size_t>{4, 15}));
-  EXPECT_LT(largest_difference(graph, truth), kSolverError);
+  EXPECT_LT(largest_difference(graph, truth), kSimilaritySolverError);
   EXPECT_EQ(graph.vertices[15].world_from_frame.scale, truth.vertices[15].world_from_frame.scale);
 }
 

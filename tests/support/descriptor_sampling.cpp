@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tests/support/descriptor_sampling.h"
 
-namespace fabloop::testing {
+namespace fabloop::testing_support {
 
 cv::Mat clustered_descriptors(int count, int dimensions, int num_clusters, std::uint64_t seed) {
   cv::RNG generator(seed);
@@ -13,4 +13,4 @@ cv::Mat clustered_descriptors(int count, int dimensions, int num_clusters, std::
   return descriptors;
 }
 
-}  // namespace fabloop::testing
+}  // namespace fabloop::testing_support

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <opencv2/core.hpp>
 
-namespace fabloop::testing {
+namespace fabloop::testing_support {
 
 /// `count` descriptors of `dimensions` floats around `num_clusters` well separated centres.
 cv::Mat clustered_descriptors(int count, int dimensions, int num_clusters, std::uint64_t seed);
 
-}  // namespace fabloop::testing
+}  // namespace fabloop::testing_support

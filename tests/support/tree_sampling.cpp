@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace fabloop::testing {
+namespace fabloop::testing_support {
 
 ChowLiuTree random_tree(std::size_t num_words, double mean_p, std::uint64_t seed) {
   std::mt19937_64 generator(seed);
@@ -49,4 +49,4 @@ std::vector<Observation> TreeSampler::draw(std::size_t count) {
   return observations;
 }
 
-}  // namespace fabloop::testing
+}  // namespace fabloop::testing_support

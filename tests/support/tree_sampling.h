@@ -9,7 +9,7 @@
 #include "frontend/fabmap/chow_liu_tree.h"
 #include "frontend/fabmap/observation.h"
 
-namespace fabloop::testing {
+namespace fabloop::testing_support {
 
 /// A connected tree over `num_words` words whose words are seen with probability about `mean_p`, parents and children together
 /// more often than apart.
@@ -28,4 +28,4 @@ class TreeSampler {
   std::mt19937_64 generator_;
 };
 
-}  // namespace fabloop::testing
+}  // namespace fabloop::testing_support

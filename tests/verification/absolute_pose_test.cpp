@@ -77,14 +77,14 @@ TEST(AbsolutePose, MovesWithTheWorld) {
   }
 }
 
-constexpr double kNoiseRad = 0.5 / kFocalPx;
+constexpr double kPointNoiseRad = 0.5 / kFocalPx;
 
 /// Mean over 1000 problems of e^T I e for the error e: 6 when the information I is that of the error.
 double mean_nees(const AbsolutePoseOptions& options) {
   constexpr int kTrials = 1000;
   double sum = 0;
   for (std::uint64_t seed = 1; seed <= kTrials; ++seed) {
-    const auto world = make_absolute_pose_world({.num_data = 60, .noise_rad = kNoiseRad, .seed = seed});
+    const auto world = make_absolute_pose_world({.num_data = 60, .noise_rad = kPointNoiseRad, .seed = seed});
     AbsolutePoseOptions seeded = options;
     seeded.seed = seed;
     const auto found = estimate_absolute_pose(world.data, seeded);
@@ -96,17 +96,17 @@ double mean_nees(const AbsolutePoseOptions& options) {
 }
 
 // The sum of 1000 chi-squares of 6 degrees has the standard deviation sqrt(2 * 6 * 1000); 3.3 of them leave one in 1000.
-const double kNeesMargin = 3.3 * std::sqrt(12.0 / 1000.0);
+const double kPointNeesMargin = 3.3 * std::sqrt(12.0 / 1000.0);
 
 TEST(AbsolutePose, ErrorsAreWithinChiSquareBoundsWhenTheNoiseIsKnown) {
-  const double nees = mean_nees({.max_error_rad = 5 * kNoiseRad, .noise_rad = kNoiseRad});
-  EXPECT_NEAR(nees, 6, kNeesMargin);
+  const double nees = mean_nees({.max_error_rad = 5 * kPointNoiseRad, .noise_rad = kPointNoiseRad});
+  EXPECT_NEAR(nees, 6, kPointNeesMargin);
 }
 
 TEST(AbsolutePose, ErrorsAreWithinChiSquareBoundsWhenTheNoiseComesFromTheInliers) {
   // 114 degrees of freedom for the variance: the ratio's mean is 6 * 114 / 112. The threshold cuts 4 % of the noise off.
-  const double nees = mean_nees({.max_error_rad = 2.5 * kNoiseRad});
-  EXPECT_NEAR(nees, 6 * 114.0 / 112.0, kNeesMargin);
+  const double nees = mean_nees({.max_error_rad = 2.5 * kPointNoiseRad});
+  EXPECT_NEAR(nees, 6 * 114.0 / 112.0, kPointNeesMargin);
 }
 
 TEST(AbsolutePose, IsExactOnTwoViews) {

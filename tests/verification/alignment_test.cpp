@@ -61,7 +61,7 @@ Clouds make_clouds(const CloudOptions& options) {
 
 /// Depths from parallax, better than the default so that the noise of a weight is small beside it.
 constexpr PointNoise kParallaxNoise{.floor = 0, .across = 0.002, .along = 0.02, .along_squared = 0};
-constexpr double kExact = 1e-6;  // rounding of metres, by a minimiser that stops at a relative decrease of 1e-9
+constexpr double kExactAlignment = 1e-6;  // rounding of metres, by a minimiser that stops at a relative decrease of 1e-9
 
 TEST(Alignment, IsExactOnNoiselessData) {
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
@@ -70,8 +70,8 @@ TEST(Alignment, IsExactOnNoiselessData) {
     const auto found =
         align_points(clouds.pairs, {.scale = seed % 2 == 0 ? AlignmentScale::Fixed : AlignmentScale::Free, .seed = seed});
     ASSERT_TRUE(found.has_value()) << "seed " << seed;
-    EXPECT_LT(relative_error(clouds.match_from_query, found->match_from_query).norm(), kExact) << "seed " << seed;
-    EXPECT_NEAR(found->scale, scale, kExact) << "seed " << seed;
+    EXPECT_LT(relative_error(clouds.match_from_query, found->match_from_query).norm(), kExactAlignment) << "seed " << seed;
+    EXPECT_NEAR(found->scale, scale, kExactAlignment) << "seed " << seed;
     EXPECT_EQ(found->inliers.size(), clouds.pairs.size()) << "seed " << seed;
   }
 }
@@ -112,7 +112,7 @@ TEST(Alignment, SwappingTheSidesInvertsIt) {
 
 /// Mean over 1000 problems of e^T I e, for the error e over the dimensions that are free.
 template <int kDimension>
-double mean_nees(const PointNoise& noise, const AlignmentOptions& options) {
+double mean_alignment_nees(const PointNoise& noise, const AlignmentOptions& options) {
   constexpr int kTrials = 1000;
   double sum = 0;
   for (std::uint64_t seed = 1; seed <= kTrials; ++seed) {
@@ -134,15 +134,15 @@ TEST(Alignment, ErrorsAreWithinChiSquareBounds) {
   constexpr PointNoise kEqual{.floor = 0.02, .across = 0, .along = 0, .along_squared = 0};
   // 114 or 113 degrees of freedom for the noise's variance.
   const AlignmentOptions fixed{.query_noise = kEqual, .match_noise = kEqual, .max_error_sigmas = 3};
-  EXPECT_NEAR(mean_nees<6>(kEqual, fixed), 6 * 114.0 / 112.0, nees_margin(6));
+  EXPECT_NEAR(mean_alignment_nees<6>(kEqual, fixed), 6 * 114.0 / 112.0, nees_margin(6));
   AlignmentOptions free = fixed;
   free.scale = AlignmentScale::Free;
-  EXPECT_NEAR(mean_nees<7>(kEqual, free), 7 * 113.0 / 111.0, nees_margin(7));
+  EXPECT_NEAR(mean_alignment_nees<7>(kEqual, free), 7 * 113.0 / 111.0, nees_margin(7));
 }
 
 TEST(Alignment, ErrorsAreWithinChiSquareBoundsWhereDepthIsTheWorst) {
   const AlignmentOptions options{.query_noise = kParallaxNoise, .match_noise = kParallaxNoise, .max_error_sigmas = 5};
-  EXPECT_NEAR(mean_nees<6>(kParallaxNoise, options), 6 * 114.0 / 112.0, nees_margin(6));
+  EXPECT_NEAR(mean_alignment_nees<6>(kParallaxNoise, options), 6 * 114.0 / 112.0, nees_margin(6));
 }
 
 TEST(Alignment, KnowingTheNoisesShapeMakesItBetter) {

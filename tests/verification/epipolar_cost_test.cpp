@@ -12,7 +12,7 @@
 namespace fabloop {
 namespace {
 
-constexpr double kMaxErrorRad = 0.004;
+constexpr double kCutoffRad = 0.004;
 
 EpipolarData data_of(const std::vector<RayPair>& pairs) {
   EpipolarData data(pairs.size());
@@ -29,7 +29,7 @@ std::array<double, 9> rows_of(const Eigen::Matrix3d& essential) {
 double plain_cost(const std::vector<RayPair>& pairs, const Eigen::Matrix3d& essential) {
   double cost = 0;
   for (const RayPair& pair : pairs) {
-    const double error = epipolar_residual(pair.query, pair.match, essential).angle() / kMaxErrorRad;
+    const double error = epipolar_residual(pair.query, pair.match, essential).angle() / kCutoffRad;
     cost += std::min(1.0, error * error);
   }
   return cost;
@@ -41,7 +41,7 @@ TEST(EpipolarCost, IsTheSumOfTruncatedSampsonDistances) {
     const Eigen::Matrix3d essential = essential_matrix(world.match_from_query);
     // Single precision: an error of 1e-7 in a distance of up to 4e-3, twice.
     constexpr double kRelative = 1e-3;
-    EXPECT_NEAR(data_of(world.pairs).cost(rows_of(essential), kMaxErrorRad), plain_cost(world.pairs, essential),
+    EXPECT_NEAR(data_of(world.pairs).cost(rows_of(essential), kCutoffRad), plain_cost(world.pairs, essential),
                 kRelative * num_pairs);
   }
 }
@@ -50,8 +50,8 @@ TEST(EpipolarCost, DoesNotDependOnTheMatrixsScaleOrSign) {
   const auto world = testing_support::make_two_views({.outlier_ratio = 0.3, .noise_px = 0.5});
   const Eigen::Matrix3d essential = essential_matrix(world.match_from_query);
   const EpipolarData data = data_of(world.pairs);
-  const double cost = data.cost(rows_of(essential), kMaxErrorRad);
-  EXPECT_NEAR(data.cost(rows_of(-7.0 * essential), kMaxErrorRad), cost, 1e-3 * cost);
+  const double cost = data.cost(rows_of(essential), kCutoffRad);
+  EXPECT_NEAR(data.cost(rows_of(-7.0 * essential), kCutoffRad), cost, 1e-3 * cost);
 }
 
 TEST(EpipolarCost, AboveTheBoundTheSumIsLeftUnfinished) {
@@ -59,9 +59,9 @@ TEST(EpipolarCost, AboveTheBoundTheSumIsLeftUnfinished) {
   const EpipolarData data = data_of(world.pairs);
   const auto rows = rows_of(essential_matrix(world.match_from_query));
   constexpr double kBound = 10;
-  const double cost = data.cost(rows, kMaxErrorRad, kBound);
+  const double cost = data.cost(rows, kCutoffRad, kBound);
   EXPECT_GT(cost, kBound);
-  EXPECT_LT(cost, 0.5 * data.cost(rows, kMaxErrorRad));
+  EXPECT_LT(cost, 0.5 * data.cost(rows, kCutoffRad));
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace {
 using testing_support::make_two_views;
 using testing_support::TwoViews;
 
-Eigen::Vector3d random_direction(std::mt19937_64& random) {
+Eigen::Vector3d random_unit_vector(std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   return Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
 }
@@ -66,17 +66,17 @@ TEST(EpipolarPencil, FindsTheCandidatesOfTheDefinition) {
   for (int trial = 0; trial < 60; ++trial) {
     std::vector<Eigen::Vector3d> rays;
     // All round, and in narrow cones in which the epipole may lie.
-    const Eigen::Vector3d axis = random_direction(random);
+    const Eigen::Vector3d axis = random_unit_vector(random);
     const double cone = trial % 3 == 0 ? 100.0 : (trial % 3 == 1 ? 0.5 : 0.05);
-    for (int i = 0; i < 400; ++i) rays.push_back((axis + cone * random_direction(random)).normalized());
-    const Eigen::Vector3d direction = trial % 2 == 0 ? axis : random_direction(random);
-    const Pose match_from_query{rotation_from_vector(3.0 * random_direction(random)), 7.0 * direction};
+    for (int i = 0; i < 400; ++i) rays.push_back((axis + cone * random_unit_vector(random)).normalized());
+    const Eigen::Vector3d direction = trial % 2 == 0 ? axis : random_unit_vector(random);
+    const Pose match_from_query{rotation_from_vector(3.0 * random_unit_vector(random)), 7.0 * direction};
     const double max_error_rad = trial % 5 == 0 ? 0.05 : 0.004;
     const EpipolarPencil pencil(rays, match_from_query, max_error_rad);
     for (int i = 0; i < 40; ++i) {
-      const Eigen::Vector3d near_some = (rays[static_cast<std::size_t>(i)] + 0.003 * random_direction(random)).normalized();
+      const Eigen::Vector3d near_some = (rays[static_cast<std::size_t>(i)] + 0.003 * random_unit_vector(random)).normalized();
       const Eigen::Vector3d query_ray =
-          match_from_query.rotation.conjugate() * (i % 2 == 0 ? near_some : random_direction(random));
+          match_from_query.rotation.conjugate() * (i % 2 == 0 ? near_some : random_unit_vector(random));
       std::vector<int> found;
       pencil.candidates(query_ray, found);
       std::sort(found.begin(), found.end());

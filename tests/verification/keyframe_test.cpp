@@ -16,7 +16,7 @@ namespace {
 using testing_support::test_camera;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kSigma = 0.02;
+constexpr double kStepSigma = 0.02;
 
 /// Three features at known pixels.
 Keyframe keyframe_of_three() {
@@ -108,7 +108,7 @@ TEST(Keyframe, DepthIsLookedUpAtTheNearestPixel) {
   keyframe.depth = cv::Mat::zeros(test_camera().height, test_camera().width, CV_32F);
   keyframe.depth.at<float>(50, 100) = 7.5F;
   keyframe.depth.at<float>(240, 320) = static_cast<float>(kNaN);
-  const View view = view_of(keyframe, test_camera(), *keyframe.features, kSigma);
+  const View view = view_of(keyframe, test_camera(), *keyframe.features, kStepSigma);
   ASSERT_TRUE(view.points_in_camera[0].has_value());
   EXPECT_DOUBLE_EQ(view.points_in_camera[0]->z(), 7.5) << "depth is along the optical axis";
   EXPECT_LT(angle_between(*view.points_in_camera[0], view.rays[0]), 1e-12);
@@ -122,8 +122,8 @@ TEST(Keyframe, DepthInUnitsIsTheSameAsInMetres) {
   Keyframe in_units = keyframe_of_three();
   in_units.depth = cv::Mat(test_camera().height, test_camera().width, CV_16U, cv::Scalar(10000));
   in_units.depth_unit_m = 0.0002;
-  const View a = view_of(in_metres, test_camera(), *in_metres.features, kSigma);
-  const View b = view_of(in_units, test_camera(), *in_units.features, kSigma);
+  const View a = view_of(in_metres, test_camera(), *in_metres.features, kStepSigma);
+  const View b = view_of(in_units, test_camera(), *in_units.features, kStepSigma);
   EXPECT_EQ(count_points(a), 3U);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_LT((*a.points_in_camera[i] - *b.points_in_camera[i]).norm(), 1e-9);
 }
@@ -133,14 +133,14 @@ TEST(Keyframe, ThePixelsAtTheBorderHaveADepthToo) {
   const auto right = static_cast<float>(test_camera().width), bottom = static_cast<float>(test_camera().height);
   keyframe.features->keypoints = {{{-0.4F, -0.4F}, 3}, {{right - 0.6F, bottom - 0.6F}, 3}, {{right - 0.4F, bottom - 0.4F}, 3}};
   keyframe.depth = cv::Mat(test_camera().height, test_camera().width, CV_32F, cv::Scalar(2.0));
-  EXPECT_EQ(count_points(view_of(keyframe, test_camera(), *keyframe.features, kSigma)), 3U);
+  EXPECT_EQ(count_points(view_of(keyframe, test_camera(), *keyframe.features, kStepSigma)), 3U);
 }
 
 TEST(Keyframe, PointsOfAnotherFrameAreRefused) {
   Keyframe keyframe = keyframe_of_three();
-  const View view = view_of(keyframe, test_camera(), *keyframe.features, kSigma);
+  const View view = view_of(keyframe, test_camera(), *keyframe.features, kStepSigma);
   keyframe.points_in_camera = {5.0 * view.rays[0], std::nullopt, 9.0 * view.rays[2]};
-  const View with_points = view_of(keyframe, test_camera(), *keyframe.features, kSigma);
+  const View with_points = view_of(keyframe, test_camera(), *keyframe.features, kStepSigma);
   EXPECT_EQ(*with_points.points_in_camera[0], *keyframe.points_in_camera[0]);
   EXPECT_FALSE(with_points.points_in_camera[1].has_value());
 
@@ -149,7 +149,7 @@ TEST(Keyframe, PointsOfAnotherFrameAreRefused) {
     if (point) point = world_from_camera * *point;
   }
   try {
-    view_of(keyframe, test_camera(), *keyframe.features, kSigma);
+    view_of(keyframe, test_camera(), *keyframe.features, kStepSigma);
     ADD_FAILURE() << "not refused";
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("camera's frame"), std::string::npos) << error.what();

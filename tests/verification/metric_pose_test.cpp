@@ -18,7 +18,7 @@ std::vector<Match> true_matches(const TwoViews& world) {
 }
 
 /// Keypoints are floats: 3e-5 px over 500 px, at 14 m.
-constexpr double kExactM = 1e-4;
+constexpr double kExactMetricM = 1e-4;
 
 TEST(MetricPoses, FromThePointsOfEitherViewAreTheSamePose) {
   TwoViews world = make_two_views({.with_points = true});
@@ -29,7 +29,7 @@ TEST(MetricPoses, FromThePointsOfEitherViewAreTheSamePose) {
   const MetricPoses poses = estimate_metric_poses(world.query, world.match, true_matches(world));
   ASSERT_TRUE(poses.from_match_points && poses.from_query_points);
   for (const auto* pose : {&*poses.from_match_points, &*poses.from_query_points}) {
-    EXPECT_LT((pose->match_from_query.translation - world.match_from_query.translation).norm(), kExactM);
+    EXPECT_LT((pose->match_from_query.translation - world.match_from_query.translation).norm(), kExactMetricM);
     EXPECT_EQ(pose->num_inliers, static_cast<int>(world.pairs.size()));
     EXPECT_EQ(pose->inlier_ratio, 1.0);
     EXPECT_GT(pose->median_depth, 8);

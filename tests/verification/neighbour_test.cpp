@@ -33,14 +33,14 @@ TEST(Neighbours, GetPointsWithMetricDepth) {
   EXPECT_EQ(count_points(world.match), static_cast<std::size_t>(link->num_points));
   EXPECT_EQ(count_points(world.query), static_cast<std::size_t>(link->num_points));
   // Keypoints are floats: 3e-5 px over 500 px, 14 m away under 1 degree of parallax at least.
-  constexpr double kExactM = 5e-3;
+  constexpr double kExactStepM = 5e-3;
   for (std::size_t i = 0; i < truth.size(); ++i) {
     const auto& in_match = world.match.points_in_camera[i];
     const auto& in_query = world.query.points_in_camera[i];
     EXPECT_EQ(in_match.has_value(), in_query.has_value());
     if (!in_match || !in_query) continue;
-    EXPECT_LT((*in_match - *truth[i]).norm(), kExactM);
-    EXPECT_LT((world.match_from_query * *in_query - *truth[i]).norm(), kExactM);
+    EXPECT_LT((*in_match - *truth[i]).norm(), kExactStepM);
+    EXPECT_LT((world.match_from_query * *in_query - *truth[i]).norm(), kExactStepM);
   }
 }
 

@@ -13,7 +13,7 @@ namespace {
 using testing_support::make_two_views;
 using testing_support::TwoViews;
 
-std::vector<Match> true_matches(const TwoViews& world) {
+std::vector<Match> right_matches(const TwoViews& world) {
   std::vector<Match> matches;
   for (int i = 0; i < static_cast<int>(world.pairs.size()); ++i) matches.push_back({i, i, 0.5F});
   return matches;
@@ -41,7 +41,7 @@ TwoViews world_of_twins(bool of_bits) {
 
 TEST(RepeatedTexture, OfDistinctFeaturesIsNone) {
   const TwoViews world = make_two_views({.num_points = 120});
-  const RepeatedTexture found = repeated_texture(world.query, world.match, true_matches(world), {.same_spot_px = 0.5});
+  const RepeatedTexture found = repeated_texture(world.query, world.match, right_matches(world), {.same_spot_px = 0.5});
   EXPECT_EQ(found.many_to_one_share, 0.0);
   EXPECT_EQ(found.mean_num_rivals, 0.0);
   EXPECT_EQ(found.lookalike_share, 0.0);
@@ -50,7 +50,7 @@ TEST(RepeatedTexture, OfDistinctFeaturesIsNone) {
 TEST(RepeatedTexture, SeesTwinsInFloatsAndBits) {
   for (const bool of_bits : {false, true}) {
     const TwoViews world = world_of_twins(of_bits);
-    const RepeatedTexture found = repeated_texture(world.query, world.match, true_matches(world), {.same_spot_px = 0.5});
+    const RepeatedTexture found = repeated_texture(world.query, world.match, right_matches(world), {.same_spot_px = 0.5});
     EXPECT_EQ(found.mean_num_rivals, 1.0) << of_bits;
     EXPECT_EQ(found.lookalike_share, 1.0) << of_bits;
   }
@@ -58,7 +58,7 @@ TEST(RepeatedTexture, SeesTwinsInFloatsAndBits) {
 
 TEST(RepeatedTexture, CountsMatchesThatShareASpot) {
   const TwoViews world = make_two_views({.num_points = 100});
-  std::vector<Match> matches = true_matches(world);
+  std::vector<Match> matches = right_matches(world);
   for (std::size_t i = 0; i < 30; ++i) matches[i].match = 5;
   const double share = repeated_texture(world.query, world.match, matches, {.same_spot_px = 0.01}).many_to_one_share;
   EXPECT_EQ(share, 0.3);
@@ -67,7 +67,7 @@ TEST(RepeatedTexture, CountsMatchesThatShareASpot) {
 TEST(RepeatedTexture, OfASampleIsLikeThatOfAll) {
   const TwoViews world = world_of_twins(false);
   const auto of = [&](int max_matches) {
-    return repeated_texture(world.query, world.match, true_matches(world), {.same_spot_px = 0.5, .max_matches = max_matches});
+    return repeated_texture(world.query, world.match, right_matches(world), {.same_spot_px = 0.5, .max_matches = max_matches});
   };
   EXPECT_EQ(of(20).mean_num_rivals, of(1000).mean_num_rivals);
 }

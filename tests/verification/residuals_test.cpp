@@ -11,15 +11,15 @@
 namespace fabloop {
 namespace {
 
-constexpr double kStep = 1e-6;
+constexpr double kDifference = 1e-6;
 /// Central differences of values near 1 are good to about step^2 and rounding over the step.
 constexpr double kTolerance = 1e-8;
 
 Eigen::Vector3d numeric_gradient(const std::function<double(const Eigen::Vector3d&)>& function) {
   Eigen::Vector3d gradient;
   for (int k = 0; k < 3; ++k) {
-    const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(k);
-    gradient(k) = (function(step) - function(-step)) / (2.0 * kStep);
+    const Eigen::Vector3d step = kDifference * Eigen::Vector3d::Unit(k);
+    gradient(k) = (function(step) - function(-step)) / (2.0 * kDifference);
   }
   return gradient;
 }

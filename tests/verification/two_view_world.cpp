@@ -9,7 +9,9 @@ namespace {
 
 using Random = std::mt19937_64;
 
-double uniform(Random& random, double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); }
+double uniform_between(Random& random, double low, double high) {
+  return std::uniform_real_distribution<double>(low, high)(random);
+}
 
 Eigen::Vector3d random_direction(Random& random) {
   std::normal_distribution<double> normal;
@@ -17,7 +19,7 @@ Eigen::Vector3d random_direction(Random& random) {
 }
 
 Eigen::Vector3d random_point(Random& random, bool planar) {
-  Eigen::Vector3d point(uniform(random, -5, 5), uniform(random, -4, 4), uniform(random, 8, 14));
+  Eigen::Vector3d point(uniform_between(random, -5, 5), uniform_between(random, -4, 4), uniform_between(random, 8, 14));
   if (planar) point.z() = 11 + 0.15 * point.x() - 0.1 * point.y();
   return point;
 }
@@ -74,9 +76,9 @@ TwoViews make_two_views(const TwoViewOptions& options) {
     if (x_in_query.z() < 1) continue;
     query.keypoints.push_back(keypoint(noisy_pixel(random, camera, x_in_query, options.noise_px)));
     match.keypoints.push_back(keypoint(noisy_pixel(random, camera, x_in_match, options.noise_px)));
-    is_outlier.push_back(uniform(random, 0, 1) < options.outlier_ratio);
-    if (is_outlier.back()) query.keypoints.back() = keypoint({uniform(random, 0, 639), uniform(random, 0, 479)});
-    points.emplace_back((1 + options.depth_noise * uniform(random, -1, 1)) * x_in_match);
+    is_outlier.push_back(uniform_between(random, 0, 1) < options.outlier_ratio);
+    if (is_outlier.back()) query.keypoints.back() = keypoint({uniform_between(random, 0, 639), uniform_between(random, 0, 479)});
+    points.emplace_back((1 + options.depth_noise * uniform_between(random, -1, 1)) * x_in_match);
   }
   query.descriptors = random_descriptors(random, options.num_points);
   match.descriptors = query.descriptors.clone();

@@ -12,8 +12,8 @@
 namespace fabloop {
 namespace {
 
-using testing::random_tree;
-using testing::TreeSampler;
+using testing_support::random_tree;
+using testing_support::TreeSampler;
 
 constexpr double kSumsToOne = 1e-12;
 

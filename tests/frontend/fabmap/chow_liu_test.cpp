@@ -20,10 +20,10 @@
 namespace fabloop {
 namespace {
 
-using testing::random_tree;
-using testing::TreeSampler;
+using testing_support::random_tree;
+using testing_support::TreeSampler;
 
-constexpr double kRounding = 1e-12;
+constexpr double kInformationRounding = 1e-12;
 
 /// A tree whose links are strong enough to be found from a few thousand samples.
 ChowLiuTree strongly_linked_tree(std::size_t num_words) {
@@ -214,7 +214,7 @@ TEST(ChowLiu, TakesAllProbabilitiesFromOneTable) {
   for (const ChowLiuNode& node : tree.nodes) {
     if (!node.parent) continue;
     const double parent_p = tree.nodes[*node.parent].p;
-    EXPECT_NEAR(node.p_if_parent * parent_p + node.p_if_no_parent * (1.0 - parent_p), node.p, kRounding);
+    EXPECT_NEAR(node.p_if_parent * parent_p + node.p_if_no_parent * (1.0 - parent_p), node.p, kInformationRounding);
   }
 }
 

@@ -11,8 +11,8 @@
 namespace fabloop {
 namespace {
 
-using fabloop::testing::random_tree;
-using fabloop::testing::TreeSampler;
+using fabloop::testing_support::random_tree;
+using fabloop::testing_support::TreeSampler;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;

@@ -6,7 +6,7 @@
 namespace fabloop {
 namespace {
 
-constexpr double kRounding = 1e-12;
+constexpr double kProbabilityRounding = 1e-12;
 
 std::vector<PlaceId> places(const std::vector<Hypothesis>& hypotheses) {
   std::vector<PlaceId> result;
@@ -19,7 +19,7 @@ TEST(RankedHypotheses, OrdersByProbabilityThenByIndex) {
   const auto ranked = ranked_hypotheses(belief, {10, 0, 0.0});
   EXPECT_EQ(places(ranked), (std::vector<PlaceId>{1, 0, 2, 3}));
   for (const Hypothesis& hypothesis : ranked) {
-    EXPECT_NEAR(hypothesis.probability, belief.p_place[hypothesis.place], kRounding);
+    EXPECT_NEAR(hypothesis.probability, belief.p_place[hypothesis.place], kProbabilityRounding);
     EXPECT_EQ(hypothesis.log_likelihood, belief.log_likelihood[hypothesis.place]);
   }
   EXPECT_EQ(places(ranked_hypotheses(belief, {2, 0, 0.0})), (std::vector<PlaceId>{1, 0}));
@@ -33,7 +33,7 @@ TEST(RankedHypotheses, LeavesRecentPlacesOutOfTheNormalisation) {
   EXPECT_EQ(places(ranked), (std::vector<PlaceId>{0}));
   EXPECT_GT(ranked[0].probability, 0.999);
   const Belief without = posterior(without_recent_places(uniform_prior(4), 2), {-20.0, -30.0, 0.0, 0.0}, -30.0);
-  EXPECT_NEAR(ranked[0].probability, without.p_place[0], kRounding);
+  EXPECT_NEAR(ranked[0].probability, without.p_place[0], kProbabilityRounding);
 }
 
 TEST(WithoutRecentPlaces, OfABeliefIsAsOfItsPrior) {
@@ -42,9 +42,9 @@ TEST(WithoutRecentPlaces, OfABeliefIsAsOfItsPrior) {
     const std::vector<double> log_likelihood = {-20.0, -22.0, log_likelihood_recent, log_likelihood_recent};
     const Belief of_belief = without_recent_places(posterior(prior, log_likelihood, -21.0), 2);
     const Belief of_prior = posterior(without_recent_places(prior, 2), log_likelihood, -21.0);
-    EXPECT_NEAR(of_belief.p_new, of_prior.p_new, kRounding);
-    EXPECT_NEAR(of_belief.log_p_new, of_prior.log_p_new, kRounding);
-    for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(of_belief.log_p_place[i], of_prior.log_p_place[i], kRounding);
+    EXPECT_NEAR(of_belief.p_new, of_prior.p_new, kProbabilityRounding);
+    EXPECT_NEAR(of_belief.log_p_new, of_prior.log_p_new, kProbabilityRounding);
+    for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(of_belief.log_p_place[i], of_prior.log_p_place[i], kProbabilityRounding);
     EXPECT_EQ(of_belief.p_place[3], 0.0);
     EXPECT_EQ(of_belief.log_likelihood, log_likelihood);
   }

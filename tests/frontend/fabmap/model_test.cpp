@@ -54,9 +54,9 @@ Model some_model() {
   model.features.akaze.num_octaves = 3;
   model.features.detection_threshold = 0.002;
   model.features.clahe_clip_limit.reset();
-  model.tree = testing::random_tree(30, 0.2, 1);
-  model.vocabulary.words = testing::clustered_descriptors(30, 7, 30, 1);
-  model.background = testing::TreeSampler(model.tree, 1).draw(5);
+  model.tree = testing_support::random_tree(30, 0.2, 1);
+  model.vocabulary.words = testing_support::clustered_descriptors(30, 7, 30, 1);
+  model.background = testing_support::TreeSampler(model.tree, 1).draw(5);
   model.background.push_back({});
   model.detector = {0.5, 0.01};
   model.provenance = {"0.1.0", "train --seed 7", 7, 100, 123456789012};
@@ -172,7 +172,7 @@ TEST(Model, RequiresItsOwnFeatures) {
 /// Images of 12 places, three of each, whose descriptors are the place's own with noise.
 Features features_of_image(std::size_t image) {
   Features features;
-  const cv::Mat place = testing::clustered_descriptors(40, 16, 40, 100 + image / 3);
+  const cv::Mat place = testing_support::clustered_descriptors(40, 16, 40, 100 + image / 3);
   cv::Mat noise(place.size(), CV_32F);
   cv::RNG(image).fill(noise, cv::RNG::NORMAL, 0.0, 0.1);
   features.descriptors = place + noise;

@@ -12,7 +12,7 @@
 namespace fabloop {
 namespace {
 
-constexpr double kRounding = 1e-12;
+constexpr double kMotionRounding = 1e-12;
 
 double sum(const Prior& prior) { return std::accumulate(prior.p_place.begin(), prior.p_place.end(), prior.p_new); }
 
@@ -40,7 +40,7 @@ TEST(MotionModel, GivesAPriorThatSumsToOne) {
     for (const std::size_t added : {0u, 1u}) {
       const Prior prior = predict(motion, belief, num_places + added);
       EXPECT_EQ(prior.p_place.size(), num_places + added);
-      EXPECT_NEAR(sum(prior), 1.0, kRounding);
+      EXPECT_NEAR(sum(prior), 1.0, kMotionRounding);
       for (const double p : prior.p_place) EXPECT_GE(p, 0.0);
     }
   }
@@ -48,31 +48,31 @@ TEST(MotionModel, GivesAPriorThatSumsToOne) {
 
 TEST(MotionModel, MovesForwardTowardsHigherPlaces) {
   const Prior forward = predict({0.0, 0.0, 1, 1.0}, at(5, 11), 11);
-  EXPECT_NEAR(forward.p_place[5], 1.0 / 3.0, kRounding);
-  EXPECT_NEAR(forward.p_place[6], 2.0 / 3.0, kRounding);
+  EXPECT_NEAR(forward.p_place[5], 1.0 / 3.0, kMotionRounding);
+  EXPECT_NEAR(forward.p_place[6], 2.0 / 3.0, kMotionRounding);
   const Prior backward = predict({0.0, 0.0, 1, 0.0}, at(5, 11), 11);
-  EXPECT_NEAR(backward.p_place[4], 2.0 / 3.0, kRounding);
+  EXPECT_NEAR(backward.p_place[4], 2.0 / 3.0, kMotionRounding);
   EXPECT_EQ(backward.p_place[6], 0.0);
   const Prior either = predict({0.0, 0.0, 2, 0.5}, at(5, 11), 11);
-  for (std::size_t place = 3; place <= 7; ++place) EXPECT_NEAR(either.p_place[place], 0.2, kRounding);
+  for (std::size_t place = 3; place <= 7; ++place) EXPECT_NEAR(either.p_place[place], 0.2, kMotionRounding);
 }
 
 TEST(MotionModel, LeavesTheRouteIntoNewPlaces) {
   const Prior prior = predict({0.0, 0.0, 1, 0.5}, at(10, 11), 11);
-  EXPECT_NEAR(prior.p_new, 1.0 / 3.0, kRounding);
-  EXPECT_NEAR(prior.p_place[9], 1.0 / 3.0, kRounding);
+  EXPECT_NEAR(prior.p_new, 1.0 / 3.0, kMotionRounding);
+  EXPECT_NEAR(prior.p_place[9], 1.0 / 3.0, kMotionRounding);
 }
 
 TEST(MotionModel, TeleportsAnywhere) {
   const Prior prior = predict({0.2, 1.0, 1, 0.5}, at(3, 10), 10);
-  EXPECT_NEAR(prior.p_new, 0.2, kRounding);
-  for (const double p : prior.p_place) EXPECT_NEAR(p, 0.08, kRounding);
+  EXPECT_NEAR(prior.p_new, 0.2, kMotionRounding);
+  for (const double p : prior.p_place) EXPECT_NEAR(p, 0.08, kMotionRounding);
 }
 
 TEST(MotionModel, KnowsThatAnAddedPlaceIsWhereTheCameraWas) {
   Belief belief;  // Surely new, on an empty map.
   const Prior prior = predict({0.5, 0.0, 0, 0.5}, belief, 1);
-  EXPECT_NEAR(prior.p_place[0], 0.5, kRounding);
+  EXPECT_NEAR(prior.p_place[0], 0.5, kMotionRounding);
   EXPECT_EQ(predict({0.5, 0.0, 0, 0.5}, belief, 0).p_new, 1.0);
 }
 
@@ -85,14 +85,14 @@ TEST(MotionModel, RefusesWhatIsNoProbability) {
 
 TEST(Prior, IsUniformWithoutKnowledge) {
   EXPECT_EQ(uniform_prior(0, 0.3).p_new, 1.0);
-  EXPECT_NEAR(sum(uniform_prior(7, 0.3)), 1.0, kRounding);
-  EXPECT_NEAR(uniform_prior(7, 0.3).p_place[6], 0.1, kRounding);
+  EXPECT_NEAR(sum(uniform_prior(7, 0.3)), 1.0, kMotionRounding);
+  EXPECT_NEAR(uniform_prior(7, 0.3).p_place[6], 0.1, kMotionRounding);
 }
 
 TEST(Prior, LeavesOutRecentPlaces) {
   const Prior prior = without_recent_places(Prior{0.2, {0.1, 0.3, 0.4}}, 2);
-  EXPECT_NEAR(prior.p_new, 2.0 / 3.0, kRounding);
-  EXPECT_NEAR(prior.p_place[0], 1.0 / 3.0, kRounding);
+  EXPECT_NEAR(prior.p_new, 2.0 / 3.0, kMotionRounding);
+  EXPECT_NEAR(prior.p_place[0], 1.0 / 3.0, kMotionRounding);
   EXPECT_EQ(prior.p_place[1] + prior.p_place[2], 0.0);
   EXPECT_EQ(without_recent_places(Prior{0.0, {0.0, 1.0}}, 1).p_new, 1.0);
   EXPECT_EQ(without_recent_places(uniform_prior(2), 5).p_new, 1.0);
@@ -113,8 +113,8 @@ TEST(MotionModel, TheGraphOfARouteIsTheRoute) {
     for (const std::size_t now : {num_places, num_places + 1}) {
       const Prior by_route = predict(motion, belief, now);
       const Prior by_graph = predict(motion, belief, route(now));
-      EXPECT_NEAR(by_graph.p_new, by_route.p_new, kRounding);
-      for (std::size_t i = 0; i < now; ++i) EXPECT_NEAR(by_graph.p_place[i], by_route.p_place[i], kRounding);
+      EXPECT_NEAR(by_graph.p_new, by_route.p_new, kMotionRounding);
+      for (std::size_t i = 0; i < now; ++i) EXPECT_NEAR(by_graph.p_place[i], by_route.p_place[i], kMotionRounding);
     }
   }
 }
@@ -129,13 +129,13 @@ TEST(MotionModel, FollowsTheLinksOfAGraph) {
   at_crossing.p_place = {1.0, 0.0, 0.0, 0.0};
   const Prior forward = predict({0.0, 0.0, 2, 1.0}, at_crossing, graph);
   // A fifth each: staying; four fifths go on, half of them by one link, half by two.
-  EXPECT_NEAR(forward.p_place[0], 0.2, kRounding);
-  EXPECT_NEAR(forward.p_place[1], 0.2, kRounding);
-  EXPECT_NEAR(forward.p_place[2], 0.2, kRounding);
-  EXPECT_NEAR(forward.p_place[3], 0.4, kRounding);
-  EXPECT_NEAR(forward.p_new, 0.0, kRounding);
+  EXPECT_NEAR(forward.p_place[0], 0.2, kMotionRounding);
+  EXPECT_NEAR(forward.p_place[1], 0.2, kMotionRounding);
+  EXPECT_NEAR(forward.p_place[2], 0.2, kMotionRounding);
+  EXPECT_NEAR(forward.p_place[3], 0.4, kMotionRounding);
+  EXPECT_NEAR(forward.p_new, 0.0, kMotionRounding);
   const Prior backward = predict({0.0, 0.0, 1, 0.0}, at_crossing, graph);
-  EXPECT_NEAR(backward.p_place[3], 2.0 / 3.0, kRounding);
+  EXPECT_NEAR(backward.p_place[3], 2.0 / 3.0, kMotionRounding);
 }
 
 TEST(MotionModel, LeavesTheGraphWhereNoLinkGoesOn) {
@@ -145,8 +145,8 @@ TEST(MotionModel, LeavesTheGraphWhereNoLinkGoesOn) {
   at_end.p_new = 0.0;
   at_end.p_place = {0.0, 1.0};
   const Prior prior = predict({0.0, 0.0, 1, 1.0}, at_end, graph);
-  EXPECT_NEAR(prior.p_place[1], 1.0 / 3.0, kRounding);
-  EXPECT_NEAR(prior.p_new, 2.0 / 3.0, kRounding);
+  EXPECT_NEAR(prior.p_place[1], 1.0 / 3.0, kMotionRounding);
+  EXPECT_NEAR(prior.p_new, 2.0 / 3.0, kMotionRounding);
   graph.next[1].push_back(7);
   EXPECT_THROW(predict({}, at_end, graph), InputError);
 }

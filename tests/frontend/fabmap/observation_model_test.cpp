@@ -12,7 +12,7 @@
 namespace fabloop {
 namespace {
 
-constexpr double kRounding = 1e-12;
+constexpr double kModelRounding = 1e-12;
 
 ObservationModel four_words() {
   return {{{{std::nullopt, 0.3, 0.3, 0.3}, {0, 0.2, 0.4, 4.0 / 35.0}, {0, 0.25, 0.1, 11.0 / 35.0}, {2, 0.1, 0.3, 1.0 / 30.0}}},
@@ -28,11 +28,11 @@ PlaceModel place_of(const std::vector<Observation>& visits) {
 // tests/golden/fabmap_four_words.py
 TEST(ObservationModel, MatchesTheNumbersEnumeratedByHand) {
   const ObservationModel model = four_words();
-  EXPECT_NEAR(log_likelihood(model, place_of({}), {{0, 1}}), -2.479387658494363, kRounding);
-  EXPECT_NEAR(log_likelihood(model, place_of({{{0, 2}}}), {{0, 1}}), -2.529581568558137, kRounding);
-  EXPECT_NEAR(log_likelihood(model, place_of({{{0, 2}}, {{1, 2}}}), {{0, 1}}), -1.668271316644424, kRounding);
-  EXPECT_NEAR(log_likelihood(model, place_of({{{0, 2}}}), {{0, 2}}), -3.156901598205921, kRounding);
-  EXPECT_NEAR(log_likelihood(model, place_of({{{0, 2}}}), {}), -1.240241675169446, kRounding);
+  EXPECT_NEAR(log_likelihood(model, place_of({}), {{0, 1}}), -2.479387658494363, kModelRounding);
+  EXPECT_NEAR(log_likelihood(model, place_of({{{0, 2}}}), {{0, 1}}), -2.529581568558137, kModelRounding);
+  EXPECT_NEAR(log_likelihood(model, place_of({{{0, 2}}, {{1, 2}}}), {{0, 1}}), -1.668271316644424, kModelRounding);
+  EXPECT_NEAR(log_likelihood(model, place_of({{{0, 2}}}), {{0, 2}}), -3.156901598205921, kModelRounding);
+  EXPECT_NEAR(log_likelihood(model, place_of({{{0, 2}}}), {}), -1.240241675169446, kModelRounding);
 }
 
 TEST(ObservationModel, SumsToOneOverAllObservations) {
@@ -46,7 +46,7 @@ TEST(ObservationModel, SumsToOneOverAllObservations) {
       }
       sum += std::exp(log_likelihood(model, place_of(visits), observation));
     }
-    EXPECT_NEAR(sum, 1.0, kRounding);
+    EXPECT_NEAR(sum, 1.0, kModelRounding);
   }
 }
 
@@ -55,7 +55,7 @@ TEST(ObservationModel, ExpectsTheMarginalsAtANewPlaceWhenLinksAreCut) {
   model.tree = naive_bayes(model.tree);
   for (WordId word = 0; word < 4; ++word) {
     const auto log_p = log_p_word(model, word, 0, 0);
-    EXPECT_NEAR(std::exp(log_p[static_cast<std::size_t>(WordState::SeenParentUnseen)]), model.tree.nodes[word].p, kRounding);
+    EXPECT_NEAR(std::exp(log_p[static_cast<std::size_t>(WordState::SeenParentUnseen)]), model.tree.nodes[word].p, kModelRounding);
   }
 }
 
@@ -66,10 +66,10 @@ TEST(ObservationModel, FollowsTheParentWhenTheElementSaysNothing) {
   const double with_parent = p_word(node, blind, WordState::SeenWithParent, true);
   const double without_parent = p_word(node, blind, WordState::SeenParentUnseen, true);
   EXPECT_GT(with_parent, without_parent);
-  EXPECT_NEAR(with_parent + p_word(node, blind, WordState::UnseenParentSeen, true), 1.0, kRounding);
+  EXPECT_NEAR(with_parent + p_word(node, blind, WordState::UnseenParentSeen, true), 1.0, kModelRounding);
   const DetectorModel marginal = {0.2, 0.2};
-  EXPECT_NEAR(p_word(node, marginal, WordState::SeenWithParent, true), 0.4, kRounding);
-  EXPECT_NEAR(p_word(node, marginal, WordState::SeenParentUnseen, false), 4.0 / 35.0, kRounding);
+  EXPECT_NEAR(p_word(node, marginal, WordState::SeenWithParent, true), 0.4, kModelRounding);
+  EXPECT_NEAR(p_word(node, marginal, WordState::SeenParentUnseen, false), 4.0 / 35.0, kModelRounding);
 }
 
 TEST(DetectorModel, CountsEveryVisit) {
@@ -81,7 +81,7 @@ TEST(DetectorModel, CountsEveryVisit) {
     const double here = p * p_seen_given_present(detector, seen_at[visit], true);
     p = here / (here + (1.0 - p) * p_seen_given_present(detector, seen_at[visit], false));
     detections += seen_at[visit] ? 1 : 0;
-    EXPECT_NEAR(p_present(detector, 0.1, visit + 1, detections), p, kRounding);
+    EXPECT_NEAR(p_present(detector, 0.1, visit + 1, detections), p, kModelRounding);
   }
 }
 

@@ -17,7 +17,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 /// Four words as openFABMAP writes them (cv::FileStorage of OpenCV 2.4): word 2 is the root and its own parent.
-constexpr const char* kTree = R"(%YAML:1.0
+constexpr const char* kOpenFabmapTree = R"(%YAML:1.0
 ChowLiuTree: !!opencv-matrix
    rows: 4
    cols: 4
@@ -49,7 +49,7 @@ class OpenFabMapIo : public ::testing::Test {
 };
 
 TEST_F(OpenFabMapIo, ReadsATreeWhoseRootIsItsOwnParent) {
-  const ChowLiuTree tree = read_openfabmap_tree(folder_.write("tree.yml", kTree));
+  const ChowLiuTree tree = read_openfabmap_tree(folder_.write("tree.yml", kOpenFabmapTree));
   ASSERT_EQ(tree.num_words(), 4u);
   EXPECT_EQ(tree.nodes[2].parent, std::nullopt);
   EXPECT_EQ(tree.nodes[0].parent, 2u);
@@ -102,7 +102,7 @@ TEST_F(OpenFabMapIo, RefusesFilesThatAreNotFileStorage) {
 }
 
 TEST_F(OpenFabMapIo, IsRefusedOrReadWhenTruncatedAnywhere) {
-  const std::string text = kTree;
+  const std::string text = kOpenFabmapTree;
   for (std::size_t size = 0; size + 4 < text.size(); size += 7) {
     EXPECT_THROW(read_openfabmap_tree(folder_.write("tree.yml", text.substr(0, size))), InputError) << size;
   }
@@ -119,7 +119,7 @@ TEST_F(OpenFabMapIo, ReadsWordsThatWereSeenAndRefusesWhatIsNotFinite) {
 }
 
 TEST_F(OpenFabMapIo, TellsFilesApart) {
-  EXPECT_EQ(openfabmap_file_kind(folder_.write("a.yml", kTree)), OpenFabMapFile::ChowLiuTree);
+  EXPECT_EQ(openfabmap_file_kind(folder_.write("a.yml", kOpenFabmapTree)), OpenFabMapFile::ChowLiuTree);
   EXPECT_EQ(openfabmap_file_kind(folder_.write("b.yml", matrix("Vocabulary", 1, 1, "f", "0."))), OpenFabMapFile::Vocabulary);
   EXPECT_EQ(openfabmap_file_kind(folder_.write("c.yml", matrix("BOWImageDescs", 1, 1, "f", "0."))), OpenFabMapFile::BowImages);
   EXPECT_EQ(openfabmap_file_kind(folder_.write("d.yml", "%YAML:1.0\nopenFabMapOptions:\n   PzGe: 0.4\n")),
@@ -132,9 +132,9 @@ Model some_sift_model() {
   Model model;
   model.features.root_sift = false;
   model.features.clahe_clip_limit.reset();
-  model.tree = fabloop::testing::random_tree(30, 0.2, 1);
-  model.vocabulary.words = fabloop::testing::clustered_descriptors(30, 128, 30, 1);
-  model.background = fabloop::testing::TreeSampler(model.tree, 1).draw(5);
+  model.tree = fabloop::testing_support::random_tree(30, 0.2, 1);
+  model.vocabulary.words = fabloop::testing_support::clustered_descriptors(30, 128, 30, 1);
+  model.background = fabloop::testing_support::TreeSampler(model.tree, 1).draw(5);
   model.background.push_back({});
   model.detector = {0.5, 0.01};
   return model;
@@ -176,7 +176,7 @@ TEST_F(OpenFabMapIo, RefusesFilesThatDoNotBelongTogether) {
   options.features.kind = {DetectorKind::Orb, DescriptorKind::Orb};
   EXPECT_THAT(input_error_of([&] { read_openfabmap_model(files, options); }), HasSubstr("words of 128 numbers, but orb"));
   options.features.kind = {DetectorKind::Sift, DescriptorKind::Sift};
-  folder_.write("model/tree.yml", kTree);
+  folder_.write("model/tree.yml", kOpenFabmapTree);
   EXPECT_THAT(input_error_of([&] { read_openfabmap_model(files, options); }), HasSubstr("tree.yml: is about 4 words"));
   write_openfabmap_model(folder, some_sift_model(), {{}, OutputFolder::IfExists::Replace});
   folder_.write("model/bow.yml", matrix("BOWImageDescs", 1, 2, "f", "1., 0."));

@@ -109,9 +109,9 @@ TEST_F(OpenFabMapSettingsFile, NamesTheBadEntry) {
 
 TEST_F(OpenFabMapSettingsFile, IsWrittenBesideAModel) {
   Model model;
-  model.tree = fabloop::testing::random_tree(6, 0.3, 1);
+  model.tree = fabloop::testing_support::random_tree(6, 0.3, 1);
   model.vocabulary.words = cv::Mat::ones(6, 4, CV_32F);
-  model.background = fabloop::testing::TreeSampler(model.tree, 1).draw(3);
+  model.background = fabloop::testing_support::TreeSampler(model.tree, 1).draw(3);
   model.detector = {0.6, 0.02};
   write_openfabmap_model(folder_.path() / "model", model);
   const Settings settings = read_openfabmap_settings(folder_.path() / "model" / "settings.yml");

@@ -15,8 +15,8 @@
 namespace fabloop {
 namespace {
 
-using testing::random_tree;
-using testing::TreeSampler;
+using testing_support::random_tree;
+using testing_support::TreeSampler;
 
 constexpr double kEnginesAgree = 1e-9;
 constexpr std::array kEngines = {LikelihoodEngine::Exact, LikelihoodEngine::Table, LikelihoodEngine::BailOut,

@@ -14,10 +14,10 @@
 namespace fabloop {
 namespace {
 
-using testing::random_tree;
-using testing::TreeSampler;
+using testing_support::random_tree;
+using testing_support::TreeSampler;
 
-constexpr double kSumsToOne = 1e-12;
+constexpr double kPosteriorSumsToOne = 1e-12;
 
 double sum(const Belief& belief) { return std::accumulate(belief.p_place.begin(), belief.p_place.end(), belief.p_new); }
 
@@ -27,7 +27,7 @@ TEST(PlaceRecognizer, BeliefSumsToOne) {
   PlaceRecognizer recognizer(tree, {});
   for (int i = 0; i < 300; ++i) {
     const Observation observation = sampler.draw();
-    EXPECT_NEAR(sum(recognizer.recognize(observation)), 1.0, kSumsToOne);
+    EXPECT_NEAR(sum(recognizer.recognize(observation)), 1.0, kPosteriorSumsToOne);
     recognizer.add_place(observation);
   }
 }
@@ -57,18 +57,18 @@ TEST(PlaceRecognizer, ListensToThePrior) {
   const Belief even = recognizer.recognize(observation);
   EXPECT_DOUBLE_EQ(even.p_place[0], even.p_place[1]);
   const Belief biased = recognizer.recognize(observation, {0.1, {0.6, 0.3}});
-  EXPECT_NEAR(biased.p_place[0], 2.0 * biased.p_place[1], kSumsToOne);
+  EXPECT_NEAR(biased.p_place[0], 2.0 * biased.p_place[1], kPosteriorSumsToOne);
   const Belief excluded = recognizer.recognize(observation, without_recent_places(uniform_prior(2), 1));
   EXPECT_EQ(excluded.p_place[1], 0.0);
-  EXPECT_NEAR(sum(excluded), 1.0, kSumsToOne);
+  EXPECT_NEAR(sum(excluded), 1.0, kPosteriorSumsToOne);
   EXPECT_THROW(recognizer.recognize(observation, uniform_prior(3)), InputError);
 }
 
 TEST(PlaceRecognizer, StaysFiniteWhereProbabilitiesUnderflow) {
   const Belief belief = posterior(uniform_prior(3), {-1.0, -5000.0, -6000.0}, -7000.0);
   EXPECT_EQ(belief.p_place[1], 0.0);
-  EXPECT_NEAR(belief.log_p_place[1] - belief.log_p_place[2], 1000.0, kSumsToOne);
-  EXPECT_NEAR(sum(belief), 1.0, kSumsToOne);
+  EXPECT_NEAR(belief.log_p_place[1] - belief.log_p_place[2], 1000.0, kPosteriorSumsToOne);
+  EXPECT_NEAR(sum(belief), 1.0, kPosteriorSumsToOne);
 }
 
 TEST(PlaceRecognizer, TakesImagesWithoutWordsAndVocabulariesOfOneWord) {
@@ -79,8 +79,8 @@ TEST(PlaceRecognizer, TakesImagesWithoutWordsAndVocabulariesOfOneWord) {
   recognizer.add_place({{0}});
   const Belief belief = recognizer.recognize({{0}});
   EXPECT_GT(belief.p_place[1], belief.p_place[0]);
-  EXPECT_NEAR(sum(belief), 1.0, kSumsToOne);
-  EXPECT_NEAR(sum(recognizer.recognize({})), 1.0, kSumsToOne);
+  EXPECT_NEAR(sum(belief), 1.0, kPosteriorSumsToOne);
+  EXPECT_NEAR(sum(recognizer.recognize({})), 1.0, kPosteriorSumsToOne);
 }
 
 TEST(PlaceRecognizer, AnswersQueriesInParallel) {
@@ -117,7 +117,7 @@ TEST(PlaceRecognizer, WithoutANewPlaceSpreadsAllBeliefOverThePlaces) {
   for (const Observation& place : sampler.draw(5)) recognizer.add_place(place);
   const Belief belief = recognizer.recognize(sampler.draw());
   EXPECT_EQ(belief.p_new, 0.0);
-  EXPECT_NEAR(sum(belief), 1.0, kSumsToOne);
+  EXPECT_NEAR(sum(belief), 1.0, kPosteriorSumsToOne);
 }
 
 TEST(PlaceModel, CountsVisitsAndDetections) {

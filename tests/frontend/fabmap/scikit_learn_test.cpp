@@ -67,18 +67,18 @@ TEST(PrecisionRecallCurve, EqualsScikitLearns) {
     const auto num_positives = static_cast<std::size_t>(
         std::count_if(decisions.begin(), decisions.end(), [](const Decision& decision) { return decision.is_true; }));
     const PrecisionRecallCurve curve = precision_recall_curve(decisions, num_positives);
-    constexpr double kRounding = 1e-12;
+    constexpr double kAgreement = 1e-12;
     double average_precision = 0.0;
     numbers >> average_precision;
-    EXPECT_NEAR(curve.average_precision, average_precision, kRounding);
+    EXPECT_NEAR(curve.average_precision, average_precision, kAgreement);
     PrecisionRecallPoint expected;
     std::size_t point = 0;
     // scikit-learn leaves out nothing here, so that the points correspond one by one.
     while (numbers >> expected.threshold >> expected.precision >> expected.recall) {
       ASSERT_LT(point, curve.points.size());
       EXPECT_EQ(curve.points[point].threshold, expected.threshold);
-      EXPECT_NEAR(curve.points[point].precision, expected.precision, kRounding);
-      EXPECT_NEAR(curve.points[point].recall, expected.recall, kRounding);
+      EXPECT_NEAR(curve.points[point].precision, expected.precision, kAgreement);
+      EXPECT_NEAR(curve.points[point].recall, expected.recall, kAgreement);
       ++point;
     }
     EXPECT_EQ(point, curve.points.size());

@@ -15,8 +15,8 @@
 namespace fabloop {
 namespace {
 
-using fabloop::testing::random_tree;
-using fabloop::testing::TreeSampler;
+using fabloop::testing_support::random_tree;
+using fabloop::testing_support::TreeSampler;
 using ::testing::HasSubstr;
 
 TEST(TrainingReport, CountsWords) {

@@ -21,7 +21,7 @@ constexpr std::size_t kNumImages = 70;  // three blocks
 /// Images of 12 places, in turn, whose descriptors are the place's own with noise.
 Features features_of_image(std::size_t image) {
   Features features;
-  const cv::Mat place = fabloop::testing::clustered_descriptors(25, 8, 25, 100 + image % 12);
+  const cv::Mat place = fabloop::testing_support::clustered_descriptors(25, 8, 25, 100 + image % 12);
   cv::Mat noise(place.size(), CV_32F);
   cv::RNG(image).fill(noise, cv::RNG::NORMAL, 0.0, 0.5);
   features.descriptors = place + noise;

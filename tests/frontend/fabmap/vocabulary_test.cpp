@@ -17,13 +17,13 @@
 namespace fabloop {
 namespace {
 
-using testing::clustered_descriptors;
+using testing_support::clustered_descriptors;
 
 bool same_bytes(const cv::Mat& a, const cv::Mat& b) {
   return a.size() == b.size() && a.type() == b.type() && cv::norm(a, b, cv::NORM_INF) == 0.0;
 }
 
-cv::Mat random_bits(int count, int bytes, std::uint64_t seed) {
+cv::Mat random_descriptor_bits(int count, int bytes, std::uint64_t seed) {
   cv::Mat descriptors(count, bytes, CV_8U);
   cv::RNG(seed).fill(descriptors, cv::RNG::UNIFORM, 0, 256);
   return descriptors;
@@ -46,7 +46,7 @@ TEST(Vocabulary, FindsTheNearestWord) {
 }
 
 TEST(Vocabulary, MeasuresBitsByHammingDistance) {
-  const cv::Mat bits = random_bits(50, 32, 3);
+  const cv::Mat bits = random_descriptor_bits(50, 32, 3);
   const cv::Mat numbers = float_descriptors(bits);
   ASSERT_EQ(numbers.cols, 256);
   for (int i = 1; i < bits.rows; ++i) {

@@ -40,7 +40,7 @@ std::vector<FeatureKind> detectors() {
 
 TEST(AdaptiveDetection, ReachesTheWantedNumberOnRichAndOnPoorTexture) {
   for (const double contrast : {45.0, 7.0}) {
-    const cv::Mat image = testing::ground(200, 160, contrast, 21);
+    const cv::Mat image = testing_support::ground(200, 160, contrast, 21);
     for (const FeatureKind& kind : detectors()) {
       if (kind.detector == DetectorKind::Mser) continue;  // regions are few whatever the contrast: see below
       const std::size_t number = count(adaptive_options(kind), image);
@@ -51,7 +51,7 @@ TEST(AdaptiveDetection, ReachesTheWantedNumberOnRichAndOnPoorTexture) {
 }
 
 TEST(AdaptiveDetection, EndsAtTheLowestThresholdWhereTextureIsTooPoor) {
-  const cv::Mat image = testing::ground(200, 160, 2.0, 22);
+  const cv::Mat image = testing_support::ground(200, 160, 2.0, 22);
   for (const FeatureKind& kind : detectors()) {
     FeatureOptions options = adaptive_options(kind);
     options.adaptive->min_features = 19000;
@@ -67,7 +67,7 @@ TEST(AdaptiveDetection, EndsAtTheLowestThresholdWhereTextureIsTooPoor) {
 }
 
 TEST(AdaptiveDetection, KeepsTheGivenThresholdWhereItsNumberIsWanted) {
-  const cv::Mat image = testing::ground(200, 160, 30.0, 23);
+  const cv::Mat image = testing_support::ground(200, 160, 30.0, 23);
   for (const FeatureKind& kind : detectors()) {
     FeatureOptions options = adaptive_options(kind);
     FeatureOptions fixed = options;
@@ -81,7 +81,7 @@ TEST(AdaptiveDetection, KeepsTheGivenThresholdWhereItsNumberIsWanted) {
 }
 
 TEST(AdaptiveDetection, IsThatOfAThreshold) {
-  const cv::Mat image = testing::ground(200, 160, 45.0, 24);
+  const cv::Mat image = testing_support::ground(200, 160, 45.0, 24);
   const FeatureOptions options = adaptive_options(*feature_kind_from_string("fast+sift"));
   const Features features = FeatureExtractor(options).extract(image);
   FeatureOptions fixed = options;
@@ -94,7 +94,7 @@ TEST(AdaptiveDetection, SteersCornersWithoutSuppressionToo) {
   FeatureOptions options = adaptive_options(*feature_kind_from_string("fast+sift"));
   options.fast.non_max_suppression = false;
   options.adaptive->max_features = 200;
-  const std::size_t number = count(options, testing::ground(200, 160, 30.0, 25));
+  const std::size_t number = count(options, testing_support::ground(200, 160, 30.0, 25));
   EXPECT_GE(number, static_cast<std::size_t>(kLeast));
   EXPECT_LE(number, 200u);
 }

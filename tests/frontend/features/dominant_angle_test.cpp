@@ -27,7 +27,7 @@ TEST(DominantAngle, IsThatOfARamp) {
 }
 
 TEST(DominantAngle, TurnsWithTheImage) {
-  const cv::Mat scene = testing::ground(121, 121, 40, 6);
+  const cv::Mat scene = testing_support::ground(121, 121, 40, 6);
   cv::Mat turned;
   cv::rotate(scene, turned, cv::ROTATE_90_CLOCKWISE);
   for (const float size : {4.0F, 7.0F, 15.0F}) {

@@ -19,8 +19,8 @@ namespace {
 
 using ::testing::HasSubstr;
 
-using ::fabloop::testing::blobs;
-using ::fabloop::testing::ground;
+using ::fabloop::testing_support::blobs;
+using ::fabloop::testing_support::ground;
 
 /// Every detector with its default descriptor, but for SURF where it was not built in.
 std::vector<FeatureKind> kinds() {

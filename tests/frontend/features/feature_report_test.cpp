@@ -24,7 +24,7 @@ std::vector<SeenImage> see(const std::vector<cv::Mat>& images, const FeatureOpti
 }
 
 TEST(FeatureReport, OfImagesThatAreAlikeSaysThatAllIsFoundAgain) {
-  const cv::Mat image = testing::ground(200, 160, 40, 31);
+  const cv::Mat image = testing_support::ground(200, 160, 40, 31);
   const FeatureReport report = report_features({}, see({image, image, image}));
   EXPECT_EQ(report.num_images, 3u);
   EXPECT_EQ(report.num_pairs, 2u);
@@ -36,7 +36,7 @@ TEST(FeatureReport, OfImagesThatAreAlikeSaysThatAllIsFoundAgain) {
 }
 
 TEST(FeatureReport, FindsFeaturesAgainInAnImageThatIsTurnedAndEnlarged) {
-  const cv::Mat scene = testing::ground(300, 300, 40, 32);
+  const cv::Mat scene = testing_support::ground(300, 300, 40, 32);
   cv::Mat turned;
   cv::warpAffine(scene, turned, cv::getRotationMatrix2D({150, 150}, 20, 1.2), scene.size(), cv::INTER_CUBIC, cv::BORDER_REFLECT);
   const cv::Rect inner(50, 50, 200, 200);
@@ -47,7 +47,8 @@ TEST(FeatureReport, FindsFeaturesAgainInAnImageThatIsTurnedAndEnlarged) {
 }
 
 TEST(FeatureReport, OfImagesThatShowOtherThingsHasNoRepeatability) {
-  const FeatureReport report = report_features({}, see({testing::ground(160, 160, 40, 33), testing::ground(160, 160, 40, 34)}));
+  const FeatureReport report =
+      report_features({}, see({testing_support::ground(160, 160, 40, 33), testing_support::ground(160, 160, 40, 34)}));
   EXPECT_EQ(report.num_related_pairs, 0u);
   EXPECT_FALSE(report.repeatability.has_value());
   EXPECT_THAT(report_table({report}), ::testing::HasSubstr("| n/a | 0/1 |"));

@@ -79,7 +79,7 @@ TEST(StarDetector, KeepsLinesWhenToldTo) {
 }
 
 TEST(StarDetector, MovesWithTheImage) {
-  const cv::Mat scene = testing::ground(260, 220, 40, 3);
+  const cv::Mat scene = testing_support::ground(260, 220, 40, 3);
   const cv::Rect here(10, 12, 230, 190), there(17, 15, 230, 190);
   const auto keypoints = detect_star(scene(here).clone(), {}, kThreshold);
   auto moved = detect_star(scene(there).clone(), {}, kThreshold);
@@ -95,7 +95,7 @@ TEST(StarDetector, MovesWithTheImage) {
 }
 
 TEST(StarDetector, TurnsWithTheImage) {
-  const cv::Mat scene = testing::ground(230, 190, 40, 4);
+  const cv::Mat scene = testing_support::ground(230, 190, 40, 4);
   cv::Mat turned;
   cv::rotate(scene, turned, cv::ROTATE_90_CLOCKWISE);
   const auto keypoints = detect_star(scene, {}, kThreshold);
@@ -109,7 +109,7 @@ TEST(StarDetector, TurnsWithTheImage) {
 }
 
 TEST(StarDetector, DoesNotCareForTheSignOfContrast) {
-  const cv::Mat scene = testing::ground(230, 190, 40, 5);
+  const cv::Mat scene = testing_support::ground(230, 190, 40, 5);
   const auto keypoints = sorted(detect_star(scene, {}, kThreshold));
   const auto inverted = sorted(detect_star(255 - scene, {}, kThreshold));
   ASSERT_GT(keypoints.size(), 50u);

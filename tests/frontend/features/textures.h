@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-namespace fabloop::testing {
+namespace fabloop::testing_support {
 
 /// Blobs of all sizes: strong contrast on the left third, an eighth of it on the right.
 inline cv::Mat blobs() {
@@ -39,4 +39,4 @@ inline cv::Mat ground(int width, int height, double contrast, std::uint64_t seed
   return image;
 }
 
-}  // namespace fabloop::testing
+}  // namespace fabloop::testing_support

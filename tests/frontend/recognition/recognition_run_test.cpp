@@ -92,8 +92,8 @@ TEST(RecognitionRun, RecentPlacesAreLeftOutOfTheNormalisationToo) {
     sums.push_back(sum);
   };
   const Recognition run = recognize_sequence(model_of_words(), images_at({0, 1, 2, 2, 0}), options);
-  constexpr double kTolerance = 1e-12;
-  for (std::size_t i = 0; i < sums.size(); ++i) EXPECT_NEAR(sums[i] + run.images[i].p_new, 1.0, kTolerance);
+  constexpr double kPosteriorTolerance = 1e-12;
+  for (std::size_t i = 0; i < sums.size(); ++i) EXPECT_NEAR(sums[i] + run.images[i].p_new, 1.0, kPosteriorTolerance);
   EXPECT_GT(run.images[3].p_new, 0.9) << "the place just left does not count";
   EXPECT_EQ(run.images[4].matches[0].place, 0u);
   EXPECT_EQ(run.images[4].matches.size(), 2u);
@@ -115,8 +115,8 @@ TEST(RecognitionRun, WithoutANewPlaceTheBeliefIsOverTheMapAlone) {
   options.slam.recognizer.new_place = NewPlaceModel::None;
   const Recognition run = recognize_in_map(model_of_words(), images_at({0, 1}), images_at({5}), options);
   EXPECT_EQ(run.images[0].p_new, 0.0);
-  constexpr double kTolerance = 1e-12;
-  EXPECT_NEAR(run.images[0].matches[0].probability + run.images[0].matches[1].probability, 1.0, kTolerance);
+  constexpr double kPosteriorTolerance = 1e-12;
+  EXPECT_NEAR(run.images[0].matches[0].probability + run.images[0].matches[1].probability, 1.0, kPosteriorTolerance);
   EXPECT_NEAR(run.images[0].matches[0].log_odds, 0.0, 1e-9) << "neither is like it";
 }
 
