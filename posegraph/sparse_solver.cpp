@@ -5,11 +5,49 @@
 #ifdef FABLOOP_HAS_OPENMP
 #include <omp.h>
 #endif
+#if __has_include(<dlfcn.h>)
+#include <dlfcn.h>
+#endif
 
+#include <mutex>
 #include <utility>
 
 namespace fabloop::residuals {
 namespace {
+
+/// OpenBLAS splits the products of a supernode over all cores, where its threads wait for one another longer than they work, and
+/// is not known at compile time: any BLAS may be behind CHOLMOD. Its number of threads belongs to the process, so the first solve
+/// sets it and the last of those that run at once gives it back.
+class OneBlasThread {
+ public:
+  OneBlasThread() {
+    const std::lock_guard lock(mutex_);
+    if (num_solves_++ > 0) return;
+    num_threads_ = get() ? get()() : 0;
+    if (set()) set()(1);
+  }
+  ~OneBlasThread() {
+    const std::lock_guard lock(mutex_);
+    if (--num_solves_ == 0 && set() && num_threads_ > 0) set()(num_threads_);
+  }
+  OneBlasThread(const OneBlasThread&) = delete;
+  OneBlasThread& operator=(const OneBlasThread&) = delete;
+
+ private:
+  using Get = int (*)();
+  using Set = void (*)(int);
+#if __has_include(<dlfcn.h>)
+  static Get get() { return reinterpret_cast<Get>(dlsym(RTLD_DEFAULT, "openblas_get_num_threads")); }
+  static Set set() { return reinterpret_cast<Set>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads")); }
+#else
+  static Get get() { return nullptr; }
+  static Set set() { return nullptr; }
+#endif
+
+  static inline std::mutex mutex_;
+  static inline int num_solves_ = 0;
+  static inline int num_threads_ = 0;
+};
 
 /// CHOLMOD adds up its supernodes in four OpenMP threads of its own, which wait for one another longer than they work, and no
 /// option of Ceres reaches them. With no level of parallelism allowed, regions run on the thread that meets them.
@@ -24,6 +62,7 @@ class OneThread {
  private:
   int levels_;
 #endif
+  OneBlasThread blas_;
 };
 
 /// Progress, cancelling, and when to stop. The cost falls by a factor of about `ratio` less with each iteration, so what is left

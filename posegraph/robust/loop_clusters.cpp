@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <numeric>
 
-#include "posegraph/robust/sure_path.h"
-
 namespace fabloop {
 namespace {
 
@@ -39,6 +37,17 @@ std::vector<std::vector<std::size_t>> cluster_loops(const LoopConsistency& loops
   return by_root;
 }
 
+bool is_agreed_by(const PoseGraph& graph, const LoopConsistency& loops, const SurePaths& paths,
+                  const std::vector<std::size_t>& cluster) {
+  const std::vector<std::size_t> asked = spokesmen(cluster);
+  const auto num_agreeing = static_cast<std::size_t>(std::count_if(asked.begin(), asked.end(), [&](std::size_t k) {
+    const Edge& edge = graph.edges[loops.edges()[k]];
+    const auto path = paths.find(edge.from, edge.to);
+    return !path || loops.agrees(k, *path);
+  }));
+  return 2 * num_agreeing > asked.size();
+}
+
 LoopTrial choose_trial(const PoseGraph& graph, const LoopConsistency& loops, const std::vector<EdgeKind>& doubted,
                        const LoopClusterOptions& options) {
   SurePaths paths(graph, doubted);
@@ -47,13 +56,7 @@ LoopTrial choose_trial(const PoseGraph& graph, const LoopConsistency& loops, con
   std::vector<std::size_t> ends;
   for (const std::vector<std::size_t>& cluster : cluster_loops(loops, options)) {
     if (cluster.size() < 2) break;
-    const std::vector<std::size_t> asked = spokesmen(cluster);
-    const auto num_agreeing = static_cast<std::size_t>(std::count_if(asked.begin(), asked.end(), [&](std::size_t k) {
-      const Edge& edge = graph.edges[loops.edges()[k]];
-      const auto path = paths.find(edge.from, edge.to);
-      return !path || loops.agrees(k, *path);
-    }));
-    if (2 * num_agreeing <= asked.size()) continue;
+    if (!is_agreed_by(graph, loops, paths, cluster)) continue;
     for (const std::size_t k : cluster) {
       trial.is_tried[k] = true;
       paths.add(loops.edges()[k]);

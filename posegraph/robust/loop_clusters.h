@@ -6,6 +6,7 @@
 
 #include "posegraph/pose_graph.h"
 #include "posegraph/robust/loop_consistency.h"
+#include "posegraph/robust/sure_path.h"
 
 namespace fabloop {
 
@@ -22,6 +23,11 @@ struct LoopClusterOptions {
 /// member; members ascending. A loop without such a neighbour is a cluster of its own. (Clusters in time: Latif et al.,
 /// Robust loop closing over time for pose graph SLAM, IJRR 2013.)
 std::vector<std::vector<std::size_t>> cluster_loops(const LoopConsistency& loops, const LoopClusterOptions& options = {});
+
+/// Whether most of a few members of a cluster agree with the surest way between their ends; where no way leads, nothing speaks
+/// against them.
+bool is_agreed_by(const PoseGraph& graph, const LoopConsistency& loops, const SurePaths& paths,
+                  const std::vector<std::size_t>& cluster);
 
 /// Which loops to begin with, one entry a loop.
 struct LoopTrial {

@@ -8,6 +8,7 @@
 
 #include "frontend/error.h"
 #include "frontend/names.h"
+#include "posegraph/robust/choice_refinement.h"
 #include "posegraph/robust/consistent_loops.h"
 #include "posegraph/robust/graduated.h"
 #include "posegraph/robust/loop_clusters.h"
@@ -15,7 +16,6 @@
 #include "posegraph/robust/session_alignment.h"
 #include "posegraph/robust/switchable.h"
 #include "posegraph/robust/weighted_solve.h"
-#include "verification/chi_square.h"
 
 namespace fabloop {
 namespace {
@@ -55,11 +55,11 @@ Roles roles_of(const PoseGraph& graph, const RobustOptions& options) {
   if (options.noise == NoiseScale::Observed) {
     roles.noise_scale = observed_noise_scale(LoopConsistency(graph, options.doubted, options.inlier_probability));
   }
+  roles.c2 = thresholds(graph, options.inlier_probability);
+  for (double& c2 : roles.c2) c2 *= roles.noise_scale;
   for (const Edge& edge : graph.edges) {
     const bool is_doubted = std::find(options.doubted.begin(), options.doubted.end(), edge.kind) != options.doubted.end();
     roles.forced.push_back(is_doubted ? EdgeVerdict::Kept : EdgeVerdict::Trusted);
-    const int degrees_of_freedom = graph.dimension == 2 ? 3 : edge.has_scale ? 6 : 5;
-    roles.c2.push_back(roles.noise_scale * chi_square_quantile(options.inlier_probability, degrees_of_freedom));
   }
   const auto force = [&](const std::vector<std::size_t>& edges, EdgeVerdict verdict) {
     for (const std::size_t e : edges) {
@@ -117,6 +117,7 @@ struct Solution {
   std::vector<double> weights;
   std::size_t num_solves = 1;
   bool is_proven = true;
+  NoiseFactors noise = {};
 };
 
 Solution solve_with_loss(PoseGraph& graph, const Roles& roles, const RobustOptions& options) {
@@ -153,8 +154,18 @@ Solution solve_graduated(PoseGraph& graph, const Roles& roles, const RobustOptio
   for (std::size_t e = 0; e < graph.edges.size(); ++e) {
     if (roles.is_doubted[e] && !options.warm_weights.empty()) problem.weights[e] = options.warm_weights[e];
   }
-  GraduatedResult result = graduate(graph, problem, options.optimize);
-  return {std::move(result.last_solve), std::move(result.weights), result.num_solves};
+  PoseGraph judged = with_noise(graph, factors_of_objective(options.optimize.objective, graph.dimension));
+  GraduatedResult result = graduate(judged, problem, options.optimize);
+  graph.vertices = std::move(judged.vertices);
+  if (options.back_end != BackEnd::GncTruncated) {
+    return {std::move(result.last_solve), std::move(result.weights), result.num_solves};
+  }
+  RefinedChoice refined = refine_choice(graph, std::move(result.weights), roles.is_doubted, options);
+  const EdgeWeights edges{refined.weights, std::vector<bool>(graph.edges.size(), false)};
+  Solution solution{solve_weighted(graph, edges, options.optimize), std::move(refined.weights)};
+  solution.num_solves = result.num_solves + refined.num_solves + 1;
+  solution.noise = refined.noise;
+  return solution;
 }
 
 Solution solve_consistent(PoseGraph& graph, const Roles& roles, const RobustOptions& options) {
@@ -230,6 +241,7 @@ RobustReport robust_optimize(PoseGraph& graph, const RobustOptions& options) {
   report.num_solves = solution.num_solves;
   report.is_proven = solution.is_proven;
   report.noise_scale = roles.noise_scale;
+  report.noise = solution.noise;
   for (std::size_t e = 0; e < graph.edges.size(); ++e) {
     EdgeDecision decision{chi2[e], solution.weights[e], roles.forced[e]};
     if (roles.is_doubted[e] && is_rejected(options.back_end, decision, roles.c2[e])) decision.verdict = EdgeVerdict::Rejected;

@@ -9,6 +9,7 @@
 #include "posegraph/optimize.h"
 #include "posegraph/pose_graph.h"
 #include "posegraph/robust/back_end.h"
+#include "posegraph/robust/noise_factors.h"
 
 namespace fabloop {
 
@@ -42,7 +43,7 @@ enum class RobustStart {
 /// What errors are measured by.
 enum class NoiseScale {
   /// The information matrices, unless neighbouring loops show that these promise far less than they hold: see
-  /// observed_noise_scale().
+  /// observed_noise_scale(). Truncated graduation ends with what the edges kept show: see estimate_noise().
   Observed,
   /// The information matrices.
   AsDeclared,
@@ -82,7 +83,10 @@ struct RobustReport {
   std::size_t num_solves = 0;
   std::size_t num_kept = 0;      ///< Doubted edges that are kept, forced ones too.
   std::size_t num_rejected = 0;  ///< Doubted edges that are not.
-  double noise_scale = 1.0;      ///< Variances were taken to be so many times what the information tells.
+  /// Thresholds were taken to be so many times what the information tells, at first where loops are exchanged later.
+  double noise_scale = 1.0;
+  /// Truncated graduation: the noise by which the loops were chosen in the end.
+  NoiseFactors noise = {};
   /// Pairwise consistency: false when the search was ended before the set was proven to be the largest.
   bool is_proven = true;
 

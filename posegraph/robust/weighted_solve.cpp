@@ -4,6 +4,8 @@
 #include <cassert>
 #include <utility>
 
+#include "verification/chi_square.h"
+
 namespace fabloop {
 
 OptimizeReport solve_weighted(PoseGraph& graph, const EdgeWeights& edges, OptimizeOptions options, double noise_scale) {
@@ -23,6 +25,16 @@ OptimizeReport solve_weighted(PoseGraph& graph, const EdgeWeights& edges, Optimi
   OptimizeReport report = optimize(weighted, options);
   graph.vertices = std::move(weighted.vertices);
   return report;
+}
+
+std::vector<double> thresholds(const PoseGraph& graph, double probability) {
+  const double planar = chi_square_quantile(probability, 3);
+  const double direction = chi_square_quantile(probability, 5);
+  const double spatial = chi_square_quantile(probability, 6);
+  std::vector<double> result;
+  result.reserve(graph.edges.size());
+  for (const Edge& edge : graph.edges) result.push_back(graph.dimension == 2 ? planar : edge.has_scale ? spatial : direction);
+  return result;
 }
 
 std::vector<double> evaluate_chi2(const PoseGraph& graph, Objective objective) {

@@ -20,6 +20,9 @@ struct EdgeWeights {
 /// `noise_scale`. The report's edges are those edges.
 OptimizeReport solve_weighted(PoseGraph& graph, const EdgeWeights& edges, OptimizeOptions options, double noise_scale = 1.0);
 
+/// Squared threshold of every edge: what the chi-square of a right one stays below with `probability`.
+std::vector<double> thresholds(const PoseGraph& graph, double probability);
+
 /// Squared whitened error of every edge as the graph stands, without weights or losses.
 std::vector<double> evaluate_chi2(const PoseGraph& graph, Objective objective);
 

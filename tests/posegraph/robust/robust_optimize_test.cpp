@@ -77,6 +77,27 @@ TEST(RobustOptimize, FalseLoopsDoNoHarmToThoseThatChoose) {
   }
 }
 
+TEST(RobustOptimize, MatricesThatPromiseTooLittleLetNoFalseGroupIn) {
+  for (std::uint32_t seed = 1; seed <= 3; ++seed) {
+    test::CircleOptions options;
+    options.num_vertices = 240;
+    options.sigma_translation_m = 0.02;
+    options.sigma_rotation_rad = 0.002;
+    options.seed = seed;
+    test::Circle circle = test::make_circle(options);
+    // Thirty times less than translations hold, a hundred times less than rotations do.
+    circle.graph = with_noise(circle.graph, {900.0, 1e4});
+    const PoseGraph optimum = without_false(circle);
+    PoseGraph graph = optimum;
+    const auto added = add_false_loops(graph, {FalseLoopPattern::Groups, 0.4, 8, seed});
+    const RobustReport report = robust_optimize(graph, with(BackEnd::GncTruncated));
+    EXPECT_LT(test::largest_distance(graph, optimum), kOneLoopMore) << "seed " << seed;
+    for (const std::size_t e : added) EXPECT_EQ(report.edges[e].verdict, EdgeVerdict::Rejected) << "seed " << seed;
+    EXPECT_LT(report.noise.translation, 0.01);
+    EXPECT_LT(report.noise.rotation, 0.001);
+  }
+}
+
 TEST(RobustOptimize, EveryBackEndButNoneHoldsOutAgainstOneFalseLoop) {
   const test::Circle circle = circle_of(2);
   const PoseGraph optimum = without_false(circle);

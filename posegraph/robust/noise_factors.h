@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "posegraph/optimize.h"
+#include "posegraph/pose_graph.h"
+
+namespace fabloop {
+
+/// By what the variances that information matrices tell are to be multiplied to be those that the edges show.
+struct NoiseFactors {
+  double translation = 1.0;  ///< Of translations, and of directions where an edge has no scale.
+  double rotation = 1.0;
+};
+
+/// By what the chi-squares of an objective exceed those of honest errors: planar rotations count twice under `Chordal`, whose
+/// kappa is I_33 as SE-Sync has it.
+NoiseFactors factors_of_objective(Objective objective, int dimension);
+
+/// One after the other.
+NoiseFactors operator*(const NoiseFactors& a, const NoiseFactors& b);
+
+/// Variance components of a graph at its optimum (Helmert 1907; Koch, Parameter Estimation and Hypothesis Testing in Linear
+/// Models, 1999, section 3.6): the sum of squared errors of all translations over what is left of their number when each vertex has
+/// taken its three, and the same for rotations; what the objective itself adds is taken off. Edges of weight 0 do not count. A factor is moved from 1 no further than the
+/// errors show with `probability`, since few loops show little; and it stays above a millionth, where solves end.
+NoiseFactors estimate_noise(const PoseGraph& graph, const std::vector<double>& weights, Objective objective,
+                            double probability = 0.99);
+
+/// The graph with the information of its edges divided by the factors.
+PoseGraph with_noise(PoseGraph graph, const NoiseFactors& factors);
+
+}  // namespace fabloop
