@@ -35,17 +35,19 @@ std::vector<Series> false_shares(const std::vector<const MethodRows*>& groups) {
 }
 
 cv::Mat draw_series(const std::string& title, const std::string& x_label, const std::vector<Series>& all) {
-  double low = 1e300, high = -1e300;
+  double low = 1e300, high = -1e300, most = 0.0;
   for (const Series& series : all) {
     for (const cv::Point2d& point : series.points) {
       low = std::min(low, point.x);
       high = std::max(high, point.x);
+      most = std::max(most, point.y);
     }
   }
   const int top = kFirstLine + kLine * static_cast<int>(all.size());
   cv::Mat picture(top + kPlotHeight + kFoot, kWidth, CV_8UC3, plot::kPaper);
   const plot::Axis x{low, high, kLeft, kWidth - kRight, x_label};
-  const plot::Axis y{0.0, 1.0, top + kPlotHeight, top, "share of false ones among those that passed"};
+  constexpr double kLeastRange = 0.01;
+  const plot::Axis y{0.0, std::max(kLeastRange, most), top + kPlotHeight, top, "share of false ones among those that passed"};
   plot::draw_axes(picture, x, y);
   plot::write(picture, title, {kLeft, 30}, 0.0, plot::kTitleSize);
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -53,7 +55,8 @@ cv::Mat draw_series(const std::string& title, const std::string& x_label, const 
     plot::write_legend(picture, all[i].name, {kLeft, kFirstLine + kLine * static_cast<int>(i)}, colour);
     std::vector<cv::Point> path;
     for (const cv::Point2d& point : all[i].points) path.push_back(plot::subpixel(x.pixel(point.x), y.pixel(point.y)));
-    cv::polylines(picture, path, false, colour, 2, cv::LINE_AA, plot::kSubpixelBits);
+    // Colours repeat; thinner lines do not look the same.
+    cv::polylines(picture, path, false, colour, i < plot::kNumColours ? 2 : 1, cv::LINE_AA, plot::kSubpixelBits);
     constexpr int kRadius = 4;
     for (const cv::Point& point : path) {
       cv::circle(picture, point, kRadius << plot::kSubpixelBits, colour, cv::FILLED, cv::LINE_AA, plot::kSubpixelBits);

@@ -74,7 +74,7 @@ Canvas make_canvas(const std::string& title, int num_lines, const std::string& r
 
 std::string legend_of(const NamedCurve& named) {
   if (!named.curve) return named.name + ": no query has a true match";
-  return named.name + ": average precision " + percent(named.curve->average_precision) + ", recall at 100 % precision " +
+  return named.name + ": AP " + percent(named.curve->average_precision) + ", recall at 100 % precision " +
          percent(named.curve->recall_at_full_precision);
 }
 

@@ -84,10 +84,10 @@ void draw_axes(cv::Mat& picture, const Axis& x, const Axis& y) {
 }
 
 cv::Scalar series_colour(std::size_t i) {
-  static const std::array<cv::Scalar, 7> kColours = {cv::Scalar(200, 90, 20),   cv::Scalar(0, 94, 213),  cv::Scalar(115, 158, 0),
-                                                     cv::Scalar(167, 121, 204), cv::Scalar(0, 159, 230), cv::Scalar(233, 180, 86),
-                                                     cv::Scalar(40, 40, 40)};
-  return kColours[i % kColours.size()];
+  static const std::array<cv::Scalar, kNumColours> kColours = {
+      cv::Scalar(200, 90, 20), cv::Scalar(0, 94, 213),   cv::Scalar(115, 158, 0), cv::Scalar(167, 121, 204),
+      cv::Scalar(0, 159, 230), cv::Scalar(233, 180, 86), cv::Scalar(40, 40, 40)};
+  return kColours[i % kNumColours];
 }
 
 void write_legend(cv::Mat& picture, const std::string& text, const cv::Point& at, const cv::Scalar& colour) {

@@ -46,7 +46,8 @@ void write_upwards(cv::Mat& picture, const std::string& text, const cv::Point& c
 void draw_axes(cv::Mat& picture, const Axis& x, const Axis& y);
 
 /// The colour of the i-th line of a plot: blue, then those that people who see no red or green tell apart (Okabe & Ito 2008);
-/// they repeat after seven.
+/// they repeat after kNumColours.
+inline constexpr std::size_t kNumColours = 7;
 cv::Scalar series_colour(std::size_t i);
 
 /// A short line of the colour, and what it stands for.
