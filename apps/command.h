@@ -25,6 +25,7 @@ void add_study_command(CLI::App& program);
 void add_survey_command(CLI::App& program, const CommonOptions& common);
 void add_surface_command(CLI::App& program, const CommonOptions& common);
 void add_evaluate_command(CLI::App& program);
+void add_lab_command(CLI::App& program, const CommonOptions& common);
 void add_report_command(CLI::App& program, const CommonOptions& common);
 void add_explain_command(CLI::App& program);
 

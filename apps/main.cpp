@@ -39,6 +39,7 @@ int main(int argc, char** argv) {
   add_survey_command(program, common);
   add_surface_command(program, common);
   add_evaluate_command(program);
+  add_lab_command(program, common);
   add_report_command(program, common);
   add_explain_command(program);
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <iomanip>
@@ -9,6 +10,7 @@
 
 #include "apps/command.h"
 #include "apps/progress_bar.h"
+#include "apps/recognize_arguments.h"
 #include "apps/run_report.h"
 #include "frontend/error.h"
 #include "frontend/fabmap/model.h"
@@ -19,27 +21,9 @@
 namespace fabloop::apps {
 namespace {
 
-struct RecognizeArguments {
-  std::string sequence, map, model, out;
-  std::string truth, map_truth;
-  ImageSourceOptions source;
-  RecognitionOptions options;
-  RecognitionTruthOptions truth_options;
-  PrecisionRecallOptions judging;
-  std::string engine{to_string(LikelihoodEngine::InvertedIndex)};
-  std::string new_place{to_string(NewPlaceModel::MeanField)};
-  std::string revisit{to_string(Revisit::Never)};
-  std::optional<std::size_t> window;
-  std::optional<double> p_seen_if_present, p_seen_if_absent;
-  bool panorama = false, naive_bayes = false, every_match = false, float64 = false, strict = false, overwrite = false;
-};
-
 Model read_adjusted_model(const RecognizeArguments& arguments) {
   Model model = read_model(arguments.model);
-  if (arguments.naive_bayes) {
-    model.tree = naive_bayes(std::move(model.tree));
-    model.domain.reset();  // it was measured with the links
-  }
+  if (arguments.naive_bayes) model = naive_bayes(std::move(model));
   if (arguments.p_seen_if_present) model.detector.p_seen_if_present = *arguments.p_seen_if_present;
   if (arguments.p_seen_if_absent) model.detector.p_seen_if_absent = *arguments.p_seen_if_absent;
   validate(model.detector, "--p-seen-if-present and --p-seen-if-absent");
@@ -68,19 +52,6 @@ std::string percent(double part) {
   return text.str();
 }
 
-void print_judged(const PrecisionRecall& judged) {
-  if (judged.curve) {
-    std::cout << "average precision:           " << percent(judged.curve->average_precision) << '\n'
-              << "recall at 100 % precision:   " << percent(judged.curve->recall_at_full_precision) << '\n';
-    for (const RecallAt& at : judged.recall_at) {
-      std::cout << std::left << std::setw(29) << "recall@" + std::to_string(at.k) + ":" << percent(at.recall) << '\n';
-    }
-  } else {
-    std::cout << "no query has a true match, so there is no recall\n";
-  }
-  std::cout << "by these rules: " << judged.recipe << '\n';
-}
-
 void print_report(const RecognitionReport& report, const std::string& out) {
   const std::size_t num_images = report.recognition.images.size();
   const NewPlaceFigures figures = new_place_figures(report.recognition);
@@ -95,6 +66,18 @@ void print_report(const RecognitionReport& report, const std::string& out) {
 }
 
 void run_recognize(RecognizeArguments& arguments, const CommonOptions& common) {
+  const auto method = place_method_named(arguments.method);
+  arguments.naive_bayes = arguments.naive_bayes || method == PlaceMethod::NaiveBayes;
+  arguments.options.progress = make_progress(common);
+  settle_window(arguments);
+  arguments.judging.scored = arguments.every_match ? Scored::EveryMatch : Scored::BestOfQuery;
+  arguments.source.if_damaged = arguments.strict ? IfDamaged::Refuse : IfDamaged::Skip;
+  arguments.source.num_threads = common.num_threads;
+  arguments.source.warn = make_warn(common);
+  if (!method || !is_probabilistic(*method)) {
+    run_recognize_scores(arguments, common);
+    return;
+  }
   RecognitionFolder folder(arguments.out, arguments.overwrite ? OutputFolder::IfExists::Replace : OutputFolder::IfExists::Refuse,
                            arguments.float64 ? NpyType::Float64 : NpyType::Float32);
   const Model model = read_adjusted_model(arguments);
@@ -102,13 +85,8 @@ void run_recognize(RecognizeArguments& arguments, const CommonOptions& common) {
   options.slam.recognizer.engine = *likelihood_engine_from_string(arguments.engine);
   options.slam.recognizer.new_place = *new_place_model_from_string(arguments.new_place);
   options.slam.revisit = *revisit_from_string(arguments.revisit);
-  options.progress = make_progress(common);
   options.warn = make_warn(common);
   options.on_row = folder.on_row();
-  settle_window(arguments);
-  arguments.source.if_damaged = arguments.strict ? IfDamaged::Refuse : IfDamaged::Skip;
-  arguments.source.num_threads = common.num_threads;
-  arguments.source.warn = make_warn(common);
 
   std::optional<ObservedImages> map;
   if (!arguments.map.empty()) map = observe_source(arguments.map, model, arguments, common);
@@ -121,7 +99,6 @@ void run_recognize(RecognizeArguments& arguments, const CommonOptions& common) {
   const Recognition recognition =
       map ? recognize_in_map(model, map->images, queries.images, options) : recognize_sequence(model, queries.images, options);
   std::optional<PrecisionRecall> judged;
-  arguments.judging.scored = arguments.every_match ? Scored::EveryMatch : Scored::BestOfQuery;
   if (truth) judged = evaluate_recognition(scored_queries(recognition), recognition.places, *truth, arguments.judging);
   const RecognitionReport report{
       model, options, queries, map ? &*map : nullptr, recognition, truth ? &*truth : nullptr, judged ? &*judged : nullptr};
@@ -129,9 +106,49 @@ void run_recognize(RecognizeArguments& arguments, const CommonOptions& common) {
   print_report(report, arguments.out);
 }
 
+/// What only FAB-MAP knows.
+constexpr std::array<const char*, 16> kFabMapOptions = {"--new-place",
+                                                        "--samples",
+                                                        "--engine",
+                                                        "--revisit",
+                                                        "--min-revisit-probability",
+                                                        "--p-new",
+                                                        "--p-teleport",
+                                                        "--p-forward",
+                                                        "--reach",
+                                                        "--trust",
+                                                        "--seed",
+                                                        "--float64",
+                                                        "--p-seen-if-present",
+                                                        "--p-seen-if-absent",
+                                                        "--naive-bayes",
+                                                        "--panorama"};
+
+/// Throws wrong usage for a model that is missing, and for options that the method would not look at.
+void require_fitting_options(const CLI::App& command, const RecognizeArguments& arguments) {
+  const auto method = place_method_named(arguments.method);
+  if (method && needs_model(*method) && arguments.model.empty()) throw CLI::RequiredError("--model");
+  if (method && is_probabilistic(*method)) return;
+  for (const char* option : kFabMapOptions) {
+    if (command.count(option) > 0) throw CLI::ExcludesError(option, "--method " + arguments.method);
+  }
+}
+
 void add_input_options(CLI::App* command, RecognizeArguments& arguments) {
   command->add_option("SEQUENCE", arguments.sequence, "folder with the images (itself or in images/), or a video")->required();
-  command->add_option("--model", arguments.model, "model of `fabloop train`")->required();
+  command->add_option("--model", arguments.model, "model of `fabloop train`; all methods but seqslam and files need one");
+  command
+      ->add_option(
+          "--method", arguments.method,
+          "fabmap; naive-bayes: without the tree; to compare with: tf-idf (DBoW2's L1 score), vlad (intra-normalised), seqslam "
+          "(SeqSLAM-style, not the authors' code), or FILE.csv with lines query,match,score of any other method")
+      ->check([](const std::string& name) {
+        return place_method_named(name) || std::filesystem::path(name).extension() == ".csv"
+                   ? std::string()
+                   : "there is no method '" + name +
+                         "'; give fabmap, naive-bayes, tf-idf, vlad, seqslam or a .csv file of scores";
+      })
+      ->capture_default_str();
   command->add_option("--map", arguments.map,
                       "another sequence or video: its images become the places among which SEQUENCE is looked up");
   command->add_option("--out", arguments.out, "folder to write to")->required();
@@ -209,6 +226,19 @@ void add_output_options(CLI::App* command, RecognizeArguments& arguments) {
 
 }  // namespace
 
+void print_judged(const PrecisionRecall& judged) {
+  if (judged.curve) {
+    std::cout << "average precision:           " << percent(judged.curve->average_precision) << '\n'
+              << "recall at 100 % precision:   " << percent(judged.curve->recall_at_full_precision) << '\n';
+    for (const RecallAt& at : judged.recall_at) {
+      std::cout << std::left << std::setw(29) << "recall@" + std::to_string(at.k) + ":" << percent(at.recall) << '\n';
+    }
+  } else {
+    std::cout << "no query has a true match, so there is no recall\n";
+  }
+  std::cout << "by these rules: " << judged.recipe << '\n';
+}
+
 void add_recognize_command(CLI::App& program, const CommonOptions& common) {
   const auto arguments = std::make_shared<RecognizeArguments>();
   CLI::App* command =
@@ -216,7 +246,10 @@ void add_recognize_command(CLI::App& program, const CommonOptions& common) {
   add_input_options(command, *arguments);
   add_method_options(command, *arguments);
   add_output_options(command, *arguments);
-  command->callback([arguments, &common] { run_recognize(*arguments, common); });
+  command->callback([arguments, command, &common] {
+    require_fitting_options(*command, *arguments);
+    run_recognize(*arguments, common);
+  });
 }
 
 }  // namespace fabloop::apps

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "apps/stage_report.h"
 
-#include <array>
 #include <iomanip>
 #include <limits>
 #include <sstream>
@@ -13,20 +12,6 @@ namespace fabloop::apps {
 namespace {
 
 using nlohmann::ordered_json;
-
-struct NamedFigure {
-  const char* name;
-  const char* title;
-  EstimatedFigure StageResult::*figure;
-};
-constexpr std::array<NamedFigure, 7> kFigures = {
-    {{"precision", "precision", &StageResult::precision},
-     {"query_recall", "query recall", &StageResult::query_recall},
-     {"false_rejection", "false refused", &StageResult::false_rejection},
-     {"average_precision", "average prec.", &StageResult::average_precision},
-     {"recall_at_full_precision", "recall@100%", &StageResult::recall_at_full_precision},
-     {"expected_calibration_error", "ECE", &StageResult::expected_calibration_error},
-     {"brier_score", "Brier", &StageResult::brier_score}}};
 
 ordered_json to_json(const EstimatedFigure& figure) {
   if (!figure.value) return nullptr;
@@ -65,7 +50,7 @@ ordered_json stage_json(const StageResult& stage) {
                        {"score", stage.score},
                        {"before", {{"true", stage.num_true_before}, {"false", stage.num_false_before}}},
                        {"passed", {{"true", stage.num_true}, {"false", stage.num_false}, {"unjudged", stage.num_unjudged}}}};
-  for (const NamedFigure& named : kFigures) json[named.name] = to_json(stage.*named.figure);
+  for (const StageFigure& named : stage_figures()) json[std::string(named.name)] = to_json(stage.*named.figure);
   ordered_json recall_at = ordered_json::object();
   for (const RecallAt& at : stage.recall_at) recall_at[std::to_string(at.k)] = at.recall;
   json["recall_at"] = recall_at;
@@ -92,14 +77,14 @@ void put(std::ostream& out, const std::optional<double>& value) {
 void write_stages_csv(const std::filesystem::path& path, const StageEvaluation& evaluation) {
   OutputFile file(path);
   file.stream() << "# " << evaluation.recipe << "\nstage,score,true_before,false_before,true,false,unjudged";
-  for (const NamedFigure& named : kFigures)
+  for (const StageFigure& named : stage_figures())
     file.stream() << ',' << named.name << ',' << named.name << "_low," << named.name << "_high";
   for (const RecallAt& at : evaluation.stages.front().recall_at) file.stream() << ",recall_at_" << at.k;
   file.stream() << '\n';
   for (const StageResult& stage : evaluation.stages) {
     file.stream() << in_words(stage.stage) << ',' << stage.score << ',' << stage.num_true_before << ',' << stage.num_false_before
                   << ',' << stage.num_true << ',' << stage.num_false << ',' << stage.num_unjudged;
-    for (const NamedFigure& named : kFigures) {
+    for (const StageFigure& named : stage_figures()) {
       const EstimatedFigure& figure = stage.*named.figure;
       put(file.stream(), figure.value);
       put(file.stream(), figure.interval ? std::optional(figure.interval->low) : std::nullopt);
@@ -154,12 +139,12 @@ ordered_json stages_json(const StageEvaluation& evaluation) {
 void print_stages(std::ostream& out, const StageEvaluation& evaluation) {
   out << "stages\n  " << std::left << std::setw(12) << "" << std::right << std::setw(8) << "true" << std::setw(8) << "false"
       << std::setw(8) << "unsure";
-  for (const NamedFigure& named : kFigures) out << "  " << std::left << std::setw(18) << named.title;
+  for (const StageFigure& named : stage_figures()) out << "  " << std::left << std::setw(18) << named.title;
   out << '\n';
   for (const StageResult& stage : evaluation.stages) {
     out << "  " << std::left << std::setw(12) << in_words(stage.stage) << std::right << std::setw(8) << stage.num_true
         << std::setw(8) << stage.num_false << std::setw(8) << stage.num_unjudged;
-    for (const NamedFigure& named : kFigures) out << "  " << std::left << std::setw(18) << figure_text(stage.*named.figure);
+    for (const StageFigure& named : stage_figures()) out << "  " << std::left << std::setw(18) << figure_text(stage.*named.figure);
     out << '\n';
   }
   for (const StageResult& stage : evaluation.stages) {

@@ -52,6 +52,11 @@ void add_synth_command(CLI::App& program, const CommonOptions& common) {
   command->add_option("--drift", arguments->drift, "how much the odometry errs: 0 not at all, 1 as a real one, 2 twice as much")
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
+  command
+      ->add_option("--aliasing", arguments->options.aliasing.share,
+                   "share of the ground that looks like other ground: copied squares, so that different places look the same")
+      ->check(CLI::Range(0.0, 0.95))
+      ->capture_default_str();
   command->add_flag("--depth", arguments->depth, "write depth images as well (16 bit, millimetres)");
   command->add_flag("--overwrite", arguments->overwrite, "replace the folder if it exists");
   command->callback([arguments, &common] { run_synth(*arguments, common); });

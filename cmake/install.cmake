@@ -4,7 +4,7 @@ include(CMakePackageConfigHelpers)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/fabloop)
 
 install(TARGETS fabloop RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(TARGETS fabloop_frontend fabloop_verification fabloop_posegraph fabloop_data EXPORT fabloopTargets
+install(TARGETS fabloop_frontend fabloop_verification fabloop_posegraph fabloop_data fabloop_lab EXPORT fabloopTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
   FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/fabloop)

@@ -24,8 +24,6 @@ constexpr int kBandRows = 64;
 constexpr float kSkyLight = 0.46F;
 constexpr float kSunLight = 0.80F;
 
-constexpr int kNumTextureLevels = 4;
-
 /// Calls `body(row)` for every row in parallel, and tells how far it is.
 void for_each_row(int rows, const char* stage, const MeadowOptions& options, const std::function<void(int)>& body) {
   const int bands = (rows + kBandRows - 1) / kBandRows;
@@ -163,11 +161,7 @@ World make_meadow(const GroundArea& area, const MeadowOptions& options) {
   const cv::Mat1f light = make_light(world.surface, options);
   world.texture_m_per_px = options.texture_m_per_px;
   world.texture.push_back(make_texture(layout, world.surface, light, options));
-  for (int level = 1; level < kNumTextureLevels; ++level) {
-    cv::Mat3b half;
-    cv::pyrDown(world.texture.back(), half);
-    world.texture.push_back(half);
-  }
+  update_texture_levels(world);
   return world;
 }
 

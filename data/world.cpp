@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 namespace fabloop {
 namespace {
@@ -119,6 +120,16 @@ std::optional<double> intersect(const HeightMap& map, const Eigen::Vector3d& ori
       if (const auto hit = march(map, ray, std::max(distance, descent - 1e-6), exit)) return hit;
     }
     distance = exit;
+  }
+}
+
+void update_texture_levels(World& world) {
+  constexpr int kNumLevels = 4;
+  world.texture.resize(1);
+  for (int level = 1; level < kNumLevels; ++level) {
+    cv::Mat3b half;
+    cv::pyrDown(world.texture.back(), half);
+    world.texture.push_back(half);
   }
 }
 

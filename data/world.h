@@ -47,4 +47,7 @@ struct World {
   double texture_m_per_px = 0.05;  ///< Of level 0.
 };
 
+/// Makes the coarser levels of the texture from level 0; call it after that was filled.
+void update_texture_levels(World& world);
+
 }  // namespace fabloop

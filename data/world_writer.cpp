@@ -11,6 +11,7 @@
 #include "data/pair_overlap.h"
 #include "data/random.h"
 #include "data/renderer.h"
+#include "data/sequence_files.h"
 #include "frontend/error.h"
 #include "frontend/parallel.h"
 #include "frontend/sequence/trajectory.h"
@@ -48,16 +49,6 @@ std::string name_of(std::size_t frame, const char* extension) {
   return digits + extension;
 }
 
-void write_image(const fs::path& path, const cv::Mat& image, const std::vector<int>& parameters) {
-  bool written = false;
-  try {
-    written = cv::imwrite(path.string(), image, parameters);
-  } catch (const cv::Exception&) {
-    written = false;
-  }
-  if (!written) throw InputError(path.string() + ": could not be written; is the disk full?");
-}
-
 void write_images(const fs::path& folder, const SyntheticFlight& flight, const SyntheticFlightOptions& options) {
   const bool with_depth = options.depth_images == DepthImages::Written;
   fs::create_directories(folder / "images");
@@ -92,25 +83,6 @@ void write_frames(const fs::path& path, std::size_t count, const SyntheticFlight
   file.commit();
 }
 
-void write_camera(const fs::path& path, const Camera& camera) {
-  if (camera.distortion_model != DistortionModel::Radtan || camera.distortion.size() > 5) {
-    throw InputError("synthetic flight: the camera must have a plumb-bob lens");
-  }
-  std::vector<double> k = camera.distortion;
-  k.resize(5, 0.0);
-  OutputFile file(path);
-  auto& out = file.stream();
-  out << std::setprecision(10) << "image_width: " << camera.width << "\nimage_height: " << camera.height
-      << "\ncamera_name: synthetic\ncamera_matrix:\n  rows: 3\n  cols: 3\n  data: [" << camera.fx << ", 0, " << camera.cx
-      << ", 0, " << camera.fy << ", " << camera.cy
-      << ", 0, 0, 1]\ndistortion_model: plumb_bob\ndistortion_coefficients:\n  rows: 1\n  cols: 5\n"
-      << "  data: [" << k[0] << ", " << k[1] << ", " << k[2] << ", " << k[3] << ", " << k[4] << "]\n"
-      << "rectification_matrix:\n  rows: 3\n  cols: 3\n  data: [1, 0, 0, 0, 1, 0, 0, 0, 1]\nprojection_matrix:\n  rows: 3\n  "
-         "cols: 4\n"
-      << "  data: [" << camera.fx << ", 0, " << camera.cx << ", 0, 0, " << camera.fy << ", " << camera.cy << ", 0, 0, 0, 1, 0]\n";
-  file.commit();
-}
-
 void write_pairs(const fs::path& path, const SyntheticFlight& flight, const Camera& camera) {
   OutputFile file(path);
   file.stream() << "# i,j (0-based positions in frames.csv, j-i>" << kMinPairGap
@@ -124,13 +96,17 @@ void write_pairs(const fs::path& path, const SyntheticFlight& flight, const Came
   file.commit();
 }
 
-void write_readme(const fs::path& path, const SyntheticFlightOptions& options) {
+void write_readme(const fs::path& path, const SyntheticFlight& flight, const SyntheticFlightOptions& options) {
   OutputFile file(path);
   file.stream()
       << "A synthetic flight over a meadow, made by fabloop synth (seed " << options.seed << ", " << options.flight.length_m
       << " m, a frame every " << options.flight.spacing_m << " m).\n"
       << "reference.tum is the exact truth, odometry.tum the truth's own steps with errors, chained; both world_from_camera,\n"
       << "metres, x east, y north, z up. pairs.csv lists the frames that see the same ground.\n";
+  if (!flight.aliased.copies.empty()) {
+    file.stream() << flight.aliased.copies.size() << " of " << flight.aliased.num_columns * flight.aliased.num_rows
+                  << " tiles of the ground are copies of others.\n";
+  }
   if (options.depth_images == DepthImages::Written) {
     file.stream()
         << "depth/NNNN.png: 16 bit, millimetres along the camera's z axis, through the same lens; 0 where there is none.\n";
@@ -178,6 +154,11 @@ SyntheticFlight make_synthetic_flight(const SyntheticFlightOptions& options) {
   area.min.array() -= margin_m(options);
   area.max.array() += margin_m(options);
   flight.world = make_meadow(area, meadow_options);
+  if (options.aliasing.share != 0.0) {
+    AliasingOptions aliasing_options = options.aliasing;
+    aliasing_options.seed = scramble(options.seed + 4);
+    flight.aliased = alias_ground(flight.world, aliasing_options);
+  }
   return flight;
 }
 
@@ -186,12 +167,12 @@ SyntheticFlight write_synthetic_flight(const fs::path& folder, const SyntheticFl
   OutputFolder output(folder, if_exists);
   const fs::path& part = output.part_path();
   SyntheticFlight flight = make_synthetic_flight(options);
-  write_camera(part / "camera.yaml", options.camera);
+  write_camera_yaml(part / "camera.yaml", options.camera);
   write_frames(part / "frames.csv", flight.world_from_camera.size(), options);
   write_tum(part / "reference.tum", stamped(flight.world_from_camera, options));
   write_tum(part / "odometry.tum", stamped(flight.odom_from_camera, options));
   write_pairs(part / "pairs.csv", flight, options.camera);
-  write_readme(part / "README.txt", options);
+  write_readme(part / "README.txt", flight, options);
   write_images(part, flight, options);
   output.commit();
   return flight;

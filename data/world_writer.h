@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "data/aliasing.h"
 #include "data/flight_plan.h"
 #include "data/meadow.h"
 #include "data/odometry_drift.h"
@@ -29,6 +30,7 @@ struct SyntheticFlightOptions {
   Camera camera = synthetic_camera();
   FlightOptions flight;
   MeadowOptions meadow;
+  AliasingOptions aliasing;  ///< By default no ground looks like another.
   CameraEffectsOptions effects;
   DriftOptions drift;
   DepthImages depth_images = DepthImages::None;
@@ -41,6 +43,7 @@ struct SyntheticFlightOptions {
 /// What was flown and where.
 struct SyntheticFlight {
   World world;
+  AliasedGround aliased;                ///< Which of its ground is a copy.
   std::vector<Pose> world_from_camera;  ///< The truth.
   std::vector<Pose> odom_from_camera;   ///< What the odometry believes; starts at the true first pose.
 };

@@ -17,8 +17,8 @@ struct DescribeOptions {
   FeatureOptions features;
   IfDamaged if_damaged = IfDamaged::Skip;
   int num_threads = 0;  ///< 0: all. The result does not depend on it.
-  Warn warn;
-  Progress progress;
+  Warn warn{};
+  Progress progress{};
 };
 
 /// One image of a sequence once it was looked at.

@@ -6,23 +6,10 @@
 #include <utility>
 
 #include "frontend/error.h"
+#include "posegraph/own_model.h"
 
 namespace fabloop {
 namespace {
-
-TrainedModel train_on(const DescribedSequence& described, const MapSequenceOptions& options) {
-  ModelTrainingOptions training;
-  training.features = options.features;
-  constexpr std::size_t kMaxDescriptors = 100000;  // fifty a word; more take longer and change little
-  training.max_descriptors = kMaxDescriptors;
-  training.max_kept_bytes = 0;  // the features are in memory already
-  training.seed = options.seed;
-  training.num_threads = options.num_threads;
-  training.command = "map, on the sequence itself";
-  training.progress = options.progress;
-  return train_model(
-      described.frames.size(), [&](std::size_t i) { return described.frames[i].features; }, training);
-}
 
 void require_two_mappable_frames(const Sequence& sequence, const DescribedSequence& described) {
   const auto has_odometry = [&](const DescribedFrame& frame) {
@@ -58,7 +45,9 @@ SequenceMap map_sequence(const Sequence& sequence, const std::optional<Model>& m
   if (model) {
     result.model = *model;
   } else {
-    TrainedModel trained = train_on(described, options);
+    TrainedModel trained = train_own_model(
+        described.frames.size(), [&](std::size_t i) { return described.frames[i].features; },
+        {.features = options.features, .seed = options.seed, .num_threads = options.num_threads, .progress = options.progress});
     result.model = std::move(trained.model);
     result.trained_here = trained.report;
   }

@@ -173,8 +173,8 @@ Map Mapper::finish() {
   for (std::size_t i = 0; i < map_.graph.edges.size(); ++i) {
     const bool is_loop = map_.graph.edges[i].kind == EdgeKind::Loop;
     const int degrees_of_freedom = map_.graph.edges[i].has_scale ? 6 : 5;
-    const bool contradicts =
-        is_loop && map_.report.edges[i].chi2 > chi_square_quantile(options_.max_loop_surprise, degrees_of_freedom);
+    const bool contradicts = is_loop && options_.max_loop_surprise < 1.0 &&
+                             map_.report.edges[i].chi2 > chi_square_quantile(options_.max_loop_surprise, degrees_of_freedom);
     if (contradicts) outcome_of(loops_[loop]).verification.verdict = Verdict::ContradictsMap;
     if (!contradicts) kept.push_back(map_.graph.edges[i]);
     if (!contradicts && is_loop) kept_loops.push_back(loops_[loop]);

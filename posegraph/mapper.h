@@ -28,7 +28,8 @@ struct MapperOptions {
   /// After a loop, the graph is solved again once so many keyframes have come since the last time. 1 corrects at once; more
   /// bounds the time a keyframe takes on long runs.
   std::size_t solve_every = 10;
-  /// A loop contradicts the rest of the map, and its verdict says so, when a right one would fit better with this probability.
+  /// A loop contradicts the rest of the map, and its verdict says so, when a right one would fit better with this probability. 1: none
+  /// does, and all proven loops stay.
   double max_loop_surprise = 0.9999;
   /// Where to keep the keyframes for later sessions, each as it comes (see KeyframeMapFile). A file that exists must be the one
   /// that the earlier map was read from; it then goes on. Empty: nowhere.

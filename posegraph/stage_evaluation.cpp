@@ -73,6 +73,18 @@ int num_stages_passed(const std::string& verdict) {
   throw InputError("'" + verdict + "' is no verdict; give loops.csv of a run of this version");
 }
 
+std::span<const StageFigure> stage_figures() {
+  static constexpr std::array<StageFigure, 7> kFigures = {
+      {{"precision", "precision", &StageResult::precision},
+       {"query_recall", "query recall", &StageResult::query_recall},
+       {"false_rejection", "false refused", &StageResult::false_rejection},
+       {"average_precision", "average prec.", &StageResult::average_precision},
+       {"recall_at_full_precision", "recall@100%", &StageResult::recall_at_full_precision},
+       {"expected_calibration_error", "ECE", &StageResult::expected_calibration_error},
+       {"brier_score", "Brier", &StageResult::brier_score}}};
+  return kFigures;
+}
+
 JudgedRun judge_run(const LedgerTable& ledger, const GroundTruth& places, const LoopTruth& loops,
                     const LoopEvaluationOptions& options) {
   JudgedRun run;
@@ -88,7 +100,8 @@ JudgedRun judge_run(const LedgerTable& ledger, const GroundTruth& places, const 
     judged.match = match;
     judged.num_stages_passed = num_stages_passed(row.loop.verdict);
     // A normalised sum may exceed one by its rounding.
-    judged.probability = std::min(1.0, ledger.figure(row, "probability").value_or(0.0));
+    judged.score = std::min(1.0, ledger.figure(row, "probability").value_or(0.0));
+    judged.probability = judged.score;
     judged.num_matches = ledger.figure(row, "matches").value_or(0.0);
     if (row.loop.match_from_query) judged.p_true = ledger.figure(row, "p_true");
     judged.place = places.at(query, match);

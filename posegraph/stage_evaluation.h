@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -35,7 +36,8 @@ int num_stages_passed(const std::string& verdict);
 struct JudgedHypothesis {
   std::size_t query = 0, match = 0;
   int num_stages_passed = 1;
-  double probability = 0.0;  ///< By appearance.
+  double score = 0.0;                 ///< By appearance, whatever the method: higher is surer.
+  std::optional<double> probability;  ///< By appearance; none where the method claims none.
   double num_matches = 0.0;
   std::optional<double> p_true;                ///< By geometry; none without a pose.
   MatchTruth place = MatchTruth::NotJudged;    ///< Whether the frames show one place.
@@ -63,6 +65,7 @@ JudgedRun judge_run(const LedgerTable& ledger, const GroundTruth& places, const 
 
 struct StageOptions {
   BootstrapOptions bootstrap;                       ///< Over queries.
+  std::vector<Stage> only{};                        ///< Which stages; empty: all that were on.
   std::size_t num_bins = 10;                        ///< Of the reliability diagrams.
   std::vector<std::size_t> recall_at = {1, 5, 10};  ///< The K of recall@K.
 };
@@ -76,7 +79,7 @@ struct EstimatedFigure {
 /// What a stage let through, and how well its score sorts and tells the truth.
 struct StageResult {
   Stage stage = Stage::Appearance;
-  std::string_view score;                                     ///< What is thresholded: a column of `loops.csv`.
+  std::string_view score;  ///< What is thresholded: a column of `loops.csv`, or "score" where appearance claims no probability.
   std::size_t num_true_before = 0, num_false_before = 0;      ///< What came in. Appearance: all pairs of the sequence.
   std::size_t num_true = 0, num_false = 0, num_unjudged = 0;  ///< What passed.
   EstimatedFigure precision;                                  ///< True ones among those that passed.
@@ -95,6 +98,16 @@ struct StageEvaluation {
   std::vector<StageResult> stages;
   std::string recipe;  ///< Everything that a reader must know to compare the figures.
 };
+
+/// A figure of StageResult that has an interval.
+struct StageFigure {
+  std::string_view name;   ///< As in files: "query_recall".
+  std::string_view title;  ///< For readers: "query recall".
+  EstimatedFigure StageResult::*figure;
+};
+
+/// All of them, in the order of StageResult.
+std::span<const StageFigure> stage_figures();
 
 /// What each stage makes of a run.
 StageEvaluation evaluate_stages(const JudgedRun& run, const StageOptions& options = {});

@@ -30,7 +30,7 @@ MatchTruth truth_at(Stage stage, const JudgedHypothesis& hypothesis) {
 }
 
 double score_at(Stage stage, const JudgedHypothesis& hypothesis) {
-  if (stage == Stage::Appearance) return hypothesis.probability;
+  if (stage == Stage::Appearance) return hypothesis.score;
   if (stage == Stage::Matching) return hypothesis.num_matches;
   return hypothesis.p_true.value_or(0.0);
 }
@@ -135,6 +135,11 @@ Figures figures_of(const std::vector<QueryTally>& tallies, std::span<const std::
   return figures;
 }
 
+bool claims_probability(const JudgedRun& run) {
+  return std::all_of(run.hypotheses.begin(), run.hypotheses.end(),
+                     [](const JudgedHypothesis& hypothesis) { return hypothesis.probability.has_value(); });
+}
+
 StageResult result_of(const StageRules& rules, const std::vector<QueryTally>& tallies, const StageOptions& options) {
   std::vector<std::size_t> all(tallies.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
@@ -192,11 +197,13 @@ StageEvaluation evaluate_stages(const JudgedRun& run, const StageOptions& option
   evaluation.num_queries = run.queries.size();
   for (const QueryTruth& query : run.queries) evaluation.num_queries_with_true_match += query.num_true_pairs > 0;
   int num_passed_before = 0;
-  for (const StageRules& rules : {StageRules{Stage::Appearance, 1, "probability"}, StageRules{Stage::Matching, 2, "matches"},
+  for (const StageRules& rules : {StageRules{Stage::Appearance, 1, claims_probability(run) ? "probability" : "score"}, StageRules{Stage::Matching, 2, "matches"},
                                   StageRules{Stage::Geometry, 3, "p_true"}, StageRules{Stage::Consistency, 4, "p_true"},
                                   StageRules{Stage::BackEnd, 5, "p_true"}}) {
     if (rules.stage == Stage::Consistency && !run.has_consistency) continue;
-    evaluation.stages.push_back(result_of(rules, tally_queries(run, rules, num_passed_before), options));
+    const bool is_wanted =
+        options.only.empty() || std::find(options.only.begin(), options.only.end(), rules.stage) != options.only.end();
+    if (is_wanted) evaluation.stages.push_back(result_of(rules, tally_queries(run, rules, num_passed_before), options));
     num_passed_before = rules.num_passed;
   }
   evaluation.recipe = recipe_of(evaluation, run, options);

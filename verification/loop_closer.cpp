@@ -65,7 +65,8 @@ LoopEvent LoopCloser::add_keyframe(const Keyframe& keyframe) {
   MapKeyframe seen = look_at(keyframe, event.times);
   Belief belief = recognise(seen.words, event.times);
   // Whatever can be refused was refused by now, and nothing has changed yet.
-  const std::vector<Hypothesis> hypotheses = most_probable(belief, event);
+  const std::vector<Hypothesis> best = most_probable(belief, event);
+  const std::vector<Hypothesis> hypotheses = options_.propose ? proposed() : best;
   remember(std::move(seen), std::move(belief));
   link_to_earlier(event);
   verify(hypotheses, event);
@@ -116,6 +117,17 @@ std::vector<Hypothesis> LoopCloser::most_probable(const Belief& belief, LoopEven
   }
   event.p_new = std::max(0.0, 1.0 - p_known);
   return best;
+}
+
+std::vector<Hypothesis> LoopCloser::proposed() const {
+  std::vector<Hypothesis> hypotheses = options_.propose(map_.keyframes.size());
+  for (const Hypothesis& hypothesis : hypotheses) {
+    if (hypothesis.place >= map_.keyframes.size() || !(hypothesis.probability >= 0.0 && hypothesis.probability <= 1.0)) {
+      throw InputError("a proposed place is no earlier keyframe, or its probability is none: place " +
+                       std::to_string(hypothesis.place) + " for the keyframe at position " + std::to_string(map_.keyframes.size()));
+    }
+  }
+  return hypotheses;
 }
 
 void LoopCloser::remember(MapKeyframe keyframe, Belief belief) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -26,11 +27,16 @@
 
 namespace fabloop {
 
+/// Which places the keyframe at position `current` of the map may show, the best first: another recogniser in FAB-MAP's place. Places
+/// are earlier positions, a probability (of the place given the image) in [0, 1]; where none is known, 0.5.
+using ProposePlaces = std::function<std::vector<Hypothesis>(std::size_t current)>;
+
 struct LoopCloserOptions {
   WordFinderOptions words;
   PlaceRecognizerOptions recognizer;
   MotionModel motion;
   HypothesesOptions hypotheses;  ///< With an earlier map, `max_hypotheses` of its places and as many of this session's.
+  ProposePlaces propose{};       ///< None: FAB-MAP proposes. With it `hypotheses` is not looked at.
   VerifierOptions verifier;
   NeighbourOptions neighbour;
   ConsistencyOptions consistency;  ///< Off by default: every proven loop is handed out at once.
@@ -66,6 +72,7 @@ class LoopCloser {
   MapKeyframe look_at(const Keyframe& keyframe, LoopCloserTimes& times) const;
   Belief recognise(const Observation& words, LoopCloserTimes& times) const;
   std::vector<Hypothesis> most_probable(const Belief& belief, LoopEvent& event) const;
+  std::vector<Hypothesis> proposed() const;
   void remember(MapKeyframe keyframe, Belief belief);
   void link_to_earlier(LoopEvent& event);
   void verify(const std::vector<Hypothesis>& hypotheses, LoopEvent& event) const;

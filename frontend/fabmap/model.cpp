@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frontend/fabmap/model.h"
 
+#include <utility>
+
 #include "frontend/error.h"
 #include "frontend/fabmap/observation_model.h"
 #include "frontend/features/feature_settings.h"
@@ -22,6 +24,12 @@ void validate(const Model& model, const std::string& where) {
       throw InputError(where + ": background: " + error.what());
     }
   }
+}
+
+Model naive_bayes(Model model) {
+  model.tree = naive_bayes(std::move(model.tree));
+  model.domain.reset();
+  return model;
 }
 
 void require_features(const Model& model, const FeatureOptions& features) {

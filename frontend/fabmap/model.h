@@ -42,6 +42,10 @@ struct Model {
 /// Throws InputError naming `where` when a part is invalid or the parts do not fit together.
 void validate(const Model& model, const std::string& where);
 
+/// The same model with its words taken as independent: the tree without its links, and without `domain`, which was measured with
+/// them.
+Model naive_bayes(Model model);
+
 /// Throws InputError that says which option differs, when images described with `features` would not have the model's words.
 void require_features(const Model& model, const FeatureOptions& features);
 

@@ -2,6 +2,7 @@
 #include "frontend/recognition/plot.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -102,6 +103,19 @@ void draw_axes(cv::Mat& picture, const Axis& x, const Axis& y) {
   }
   write(picture, x.label, {(left + right) / 2, bottom + kTickLength + 38}, 0.5);
   write_upwards(picture, y.label, {left - kTickLength - widest - 20, (top + bottom) / 2});
+}
+
+cv::Scalar series_colour(std::size_t i) {
+  static const std::array<cv::Scalar, kNumColours> kColours = {
+      cv::Scalar(200, 90, 20), cv::Scalar(0, 94, 213),   cv::Scalar(115, 158, 0), cv::Scalar(167, 121, 204),
+      cv::Scalar(0, 159, 230), cv::Scalar(233, 180, 86), cv::Scalar(40, 40, 40)};
+  return kColours[i % kNumColours];
+}
+
+void write_legend(cv::Mat& picture, const std::string& text, const cv::Point& at, const cv::Scalar& colour) {
+  constexpr int kSample = 28, kGap = 10, kHalfText = 5;
+  cv::line(picture, {at.x, at.y - kHalfText}, {at.x + kSample, at.y - kHalfText}, colour, 2, cv::LINE_AA);
+  write(picture, text, {at.x + kSample + kGap, at.y});
 }
 
 std::vector<std::string> wrapped(const std::string& text, int max_width, double size) {

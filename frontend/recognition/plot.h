@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <string>
@@ -49,6 +50,14 @@ void draw_scale_bar(cv::Mat& picture, const cv::Point2d& right_end, double px_pe
 
 /// Frame, ticks and labels: x below the frame, y on its left.
 void draw_axes(cv::Mat& picture, const Axis& x, const Axis& y);
+
+/// The colour of the i-th line of a plot: blue, then those that people who see no red or green tell apart (Okabe & Ito 2008);
+/// they repeat after kNumColours.
+inline constexpr std::size_t kNumColours = 7;
+cv::Scalar series_colour(std::size_t i);
+
+/// A short line of the colour, and what it stands for.
+void write_legend(cv::Mat& picture, const std::string& text, const cv::Point& at, const cv::Scalar& colour);
 
 /// Lines of at most `max_width` pixels.
 std::vector<std::string> wrapped(const std::string& text, int max_width, double size = kLabelSize);

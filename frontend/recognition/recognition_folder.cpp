@@ -2,8 +2,6 @@
 #include "frontend/recognition/recognition_folder.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <ostream>
@@ -12,6 +10,7 @@
 #include <vector>
 
 #include "frontend/recognition/curve_picture.h"
+#include "frontend/recognition/judged_output.h"
 #include "frontend/recognition/matrix_picture.h"
 #include "frontend/recognition/plot.h"
 #include "frontend/recognition/recognition_summary.h"
@@ -22,13 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// As many digits as it takes to get the same number back.
-std::string exact(double value) {
-  std::array<char, 32> text{};
-  const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value);
-  return {text.data(), end};
-}
-
 void write_hypotheses(const fs::path& path, const Recognition& recognition) {
   OutputFile file(path);
   file.stream() << "query,rank,place,match_frame,match_time_s,probability,log_likelihood,log_odds\n";
@@ -36,8 +28,8 @@ void write_hypotheses(const fs::path& path, const Recognition& recognition) {
     for (std::size_t rank = 0; rank < image.matches.size(); ++rank) {
       const PlaceMatch& match = image.matches[rank];
       file.stream() << image.frame << ',' << rank + 1 << ',' << match.place << ',' << recognition.places[match.place].front()
-                    << ',' << seconds_from_nanoseconds(recognition.place_times_ns[match.place]) << ',' << exact(match.probability)
-                    << ',' << exact(match.log_likelihood) << ',' << exact(match.log_odds) << '\n';
+                    << ',' << seconds_from_nanoseconds(recognition.place_times_ns[match.place]) << ',' << exact_text(match.probability)
+                    << ',' << exact_text(match.log_likelihood) << ',' << exact_text(match.log_odds) << '\n';
     }
   }
   file.commit();
@@ -48,7 +40,7 @@ void write_places(const fs::path& path, const Recognition& recognition) {
   file.stream() << "frame,time_s,place,is_new,p_new,num_words\n";
   for (const RecognizedImage& image : recognition.images) {
     file.stream() << image.frame << ',' << seconds_from_nanoseconds(image.time_ns) << ',' << image.place << ','
-                  << (image.is_new ? 1 : 0) << ',' << exact(image.p_new) << ',' << image.num_words << '\n';
+                  << (image.is_new ? 1 : 0) << ',' << exact_text(image.p_new) << ',' << image.num_words << '\n';
   }
   file.commit();
 }
@@ -64,17 +56,6 @@ void write_map_places(const fs::path& path, const ObservedImages& map, const Rec
                            [](const ObservedImage& observed, std::size_t wanted) { return observed.frame < wanted; });
       file.stream() << place << ',' << frame << ',' << seconds_from_nanoseconds(image->time_ns) << ','
                     << image->observation.words.size() << '\n';
-    }
-  }
-  file.commit();
-}
-
-void write_precision_recall(const fs::path& path, const PrecisionRecall& judged) {
-  OutputFile file(path);
-  file.stream() << "# " << judged.recipe << "\nthreshold_log_odds,precision,recall\n";
-  if (judged.curve) {
-    for (const PrecisionRecallPoint& point : judged.curve->points) {
-      file.stream() << exact(point.threshold) << ',' << exact(point.precision) << ',' << exact(point.recall) << '\n';
     }
   }
   file.commit();
@@ -139,7 +120,7 @@ void RecognitionFolder::finish(const RecognitionReport& report) {
   write_places(part / "places.csv", report.recognition);
   if (report.map) write_map_places(part / "map_places.csv", *report.map, report.recognition);
   if (report.judged) {
-    write_precision_recall(part / "precision_recall.csv", *report.judged);
+    write_precision_recall(part / "precision_recall.csv", *report.judged, "log_odds");
     write_png(part / "precision_recall.png", draw_precision_recall(title_of(report), *report.judged));
   }
   write_recognition_summary(part / "summary.json", report);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "frontend/output_file.h"
+#include "frontend/recognition/judged_output.h"
 #include "frontend/stage_times.h"
 
 namespace fabloop {
@@ -67,24 +68,6 @@ Json model_json(const Model& model) {
           {"training_seed", model.provenance.seed}};
 }
 
-Json judged_json(const PrecisionRecall* judged) {
-  if (!judged) return nullptr;
-  Json json = {{"recipe", judged->recipe},
-               {"queries", judged->num_queries},
-               {"queries_with_true_match", judged->num_queries_with_true_match},
-               {"decisions", judged->num_decisions}};
-  if (!judged->curve) return json;
-  const PrecisionRecallCurve& curve = *judged->curve;
-  json["positives"] = curve.num_positives;
-  json["average_precision"] = curve.average_precision;
-  json["area_trapezoidal"] = curve.area_trapezoidal;
-  json["recall_at_full_precision"] = curve.recall_at_full_precision;
-  json["full_precision_threshold_log_odds"] =
-      curve.full_precision_threshold ? Json(*curve.full_precision_threshold) : Json(nullptr);
-  for (const RecallAt& at : judged->recall_at) json["recall_at"][std::to_string(at.k)] = at.recall;
-  return json;
-}
-
 }  // namespace
 
 NewPlaceFigures new_place_figures(const Recognition& recognition) {
@@ -108,7 +91,7 @@ void write_recognition_summary(const std::filesystem::path& path, const Recognit
   summary["places"] = report.recognition.places.size();
   summary["mean_p_new"] = figures.mean_p_new;
   summary["probably_new"] = figures.num_probably_new;
-  summary["precision_recall"] = judged_json(report.judged);
+  summary["precision_recall"] = judged_json(report.judged, "log_odds");
   summary["options"] = options_json(report.options);
   summary["model"] = model_json(report.model);
   summary["versions"] = {{"fabloop", FABLOOP_VERSION}, {"opencv", CV_VERSION}};

@@ -6,27 +6,25 @@
 #include <set>
 #include <utility>
 
-#include "frontend/fabmap/model_training.h"
 #include "frontend/fabmap/place_recognizer.h"
 #include "frontend/fabmap/word_finder.h"
 #include "frontend/features/spatially_even.h"
 #include "frontend/parallel.h"
+#include "posegraph/own_model.h"
 
 namespace fabloop {
 namespace {
 
 Model train_on(const std::vector<View>& views, const CandidatePairsOptions& options) {
-  ModelTrainingOptions training;
+  OwnModelOptions training;
   training.features.kind.descriptor = views.front().features.descriptor_kind;
   constexpr std::size_t kMaxDescriptors = 50000;
   training.max_descriptors = kMaxDescriptors;
-  training.max_kept_bytes = 0;  // the features are in memory already
   training.seed = options.seed;
   training.num_threads = options.num_threads;
-  training.command = "map, on the sequence itself";
   training.progress = options.progress;
   const auto source = [&](std::size_t i) { return first_features(views[i].features, options.num_training_features); };
-  return train_model(views.size(), source, training).model;
+  return train_own_model(views.size(), source, training).model;
 }
 
 /// The best `count` of the others by falling score.

@@ -176,6 +176,7 @@ TEST_F(Recognize, DamagedImagesAreSkippedAndCountedOrRefused) {
 }
 
 TEST_F(Recognize, BadInputIsRefused) {
+  expect_recognize_refused("absent.csv", {"--method", "absent.csv"});
   expect_recognize_refused("absent", {"--map", "absent"});
   expect_recognize_refused("absent", {"--truth", "absent"});
   expect_recognize_refused("--map-truth", {"--map", sequence_.string(), "--truth", (sequence_ / "reference.tum").string()});
@@ -191,7 +192,41 @@ TEST_F(Recognize, BadInputIsRefused) {
   expect_recognize_refused("orb.model", {});
 }
 
+TEST_F(Recognize, OtherMethodsAreJudgedAlikeAndAFileOfScoresAsTheMethodThatMadeThem) {
+  for (const char* method : {"tf-idf", "vlad", "seqslam"}) {
+    ASSERT_EQ(recognize({"--method", method, "--window", "1", "--top", "100", "--truth", sequence_.string()}).exit_code, 0)
+        << method;
+    EXPECT_FALSE(cv::imread((run() / "precision_recall.png").string()).empty()) << method;
+    NpyReader scores(run() / "scores.npy");
+    EXPECT_EQ(scores.num_rows(), kNumImages);
+    const std::string curve = bytes_of(run() / "precision_recall.csv");
+    EXPECT_THAT(curve, HasSubstr("threshold_score,precision,recall"));
+    const nlohmann::json judged = summary().at("precision_recall");
+    const fs::path file = scratch_.path() / "mine.csv";
+    fs::copy_file(run() / "hypotheses.csv", file, fs::copy_options::overwrite_existing);
+    // No model: the file knows all.
+    ASSERT_EQ(run_fabloop({"recognize", sequence_.string(), "--out", run().string(), "--quiet", "--overwrite", "--method",
+                           file.string(), "--window", "1", "--top", "100", "--truth", sequence_.string()})
+                  .exit_code,
+              0);
+    EXPECT_EQ(bytes_of(run() / "precision_recall.csv"), curve) << method;
+    EXPECT_EQ(summary().at("precision_recall"), judged) << method;
+    EXPECT_EQ(summary().at("label"), "scores of mine.csv");
+  }
+}
+
+TEST_F(Recognize, NaiveBayesIsAMethodToo) {
+  ASSERT_EQ(recognize({"--method", "naive-bayes"}).exit_code, 0);
+  const std::string method = bytes_of(run() / "hypotheses.csv");
+  ASSERT_EQ(recognize({"--naive-bayes"}).exit_code, 0);
+  EXPECT_EQ(bytes_of(run() / "hypotheses.csv"), method);
+}
+
 TEST_F(Recognize, WrongUsageIsTold) {
+  EXPECT_EQ(recognize({"--method", "dbow"}).exit_code, 2);
+  EXPECT_EQ(recognize({"--method", "vlad", "--p-new", "0.5"}).exit_code, 2) << "VLAD does not know new places";
+  EXPECT_EQ(run_fabloop({"recognize", sequence_.string(), "--out", run().string(), "--method", "vlad"}).exit_code, 2)
+      << "no model";
   EXPECT_EQ(recognize({"--engine", "steam"}).exit_code, 2);
   EXPECT_EQ(recognize({"--p-new", "1.5"}).exit_code, 2);
   EXPECT_EQ(recognize({"--every", "0"}).exit_code, 2);

@@ -21,8 +21,9 @@ const std::map<std::string, Folders>& allowed_folders() {
       {"verification", {"frontend", "verification"}},
       {"posegraph", {"frontend", "verification", "posegraph"}},
       {"data", {"frontend", "data"}},
-      {"apps", {"frontend", "verification", "posegraph", "data", "apps"}},
-      {"tests", {"frontend", "verification", "posegraph", "data", "apps", "tests"}},
+      {"lab", {"frontend", "verification", "posegraph", "data", "lab"}},
+      {"apps", {"frontend", "verification", "posegraph", "data", "lab", "apps"}},
+      {"tests", {"frontend", "verification", "posegraph", "data", "lab", "apps", "tests"}},
   };
   return allowed;
 }

@@ -3,10 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <set>
 #include <string>
 #include <utility>
 
+#include "frontend/error.h"
 #include "tests/verification/event_text.h"
 #include "tests/verification/two_view_world.h"
 #include "tests/verification/walk_world.h"
@@ -67,6 +69,37 @@ TEST(LoopCloser, RecentKeyframesAreNeverHypotheses) {
       before = outcome.probability;
     }
   }
+}
+
+TEST(LoopCloser, WhatAnotherRecogniserProposesIsVerifiedAsFabMapsPlacesAre) {
+  const Walk walk = make_walk({.num_landmarks = 2000});
+  const std::vector<LoopEvent> own = close_loops(walk, walk_options());
+  LoopCloserOptions options = walk_options();
+  options.propose = [&](std::size_t current) {
+    std::vector<Hypothesis> hypotheses;
+    for (const HypothesisOutcome& outcome : own[current].hypotheses) {
+      hypotheses.push_back({static_cast<PlaceId>(outcome.match - 100), outcome.probability, outcome.log_likelihood});
+    }
+    return hypotheses;
+  };
+  const std::vector<LoopEvent> proposed = close_loops(walk, options);
+  for (std::size_t i = 0; i < own.size(); ++i) EXPECT_EQ(text_of(proposed[i]), text_of(own[i]));
+}
+
+TEST(LoopCloser, APlaceThatIsNoEarlierKeyframeIsRefusedAndChangesNothing) {
+  const Walk walk = make_walk({.num_landmarks = 500, .num_frames = 12, .num_again = 1});
+  std::vector<Hypothesis> hypotheses;
+  LoopCloserOptions options = walk_options();
+  options.propose = [&](std::size_t) { return hypotheses; };
+  LoopCloser closer(test_camera(), walk.model, options);
+  closer.add_keyframe(keyframe_of(walk, 0));
+  for (const Hypothesis& bad : {Hypothesis{1, 0.5, 0.0}, Hypothesis{0, 1.5, 0.0}, Hypothesis{0, std::nan(""), 0.0}}) {
+    hypotheses = {bad};
+    EXPECT_THROW(closer.add_keyframe(keyframe_of(walk, 1)), InputError);
+  }
+  EXPECT_EQ(closer.map().keyframes.size(), 1U);
+  hypotheses = {{0, 0.5, 0.0}};
+  EXPECT_EQ(closer.add_keyframe(keyframe_of(walk, 1)).hypotheses.size(), 1U);
 }
 
 TEST(LoopCloser, TheSameForAnyNumberOfThreads) {

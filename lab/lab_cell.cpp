@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lab/lab_cell.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iomanip>
+#include <limits>
+#include <set>
+#include <sstream>
+
+#include "frontend/checksum.h"
+#include "frontend/error.h"
+#include "frontend/features/feature_settings.h"
+
+namespace fabloop {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Names and sizes of all files below a folder.
+void list_files(std::ostream& out, const fs::path& folder) {
+  std::error_code error;
+  std::vector<std::string> lines;
+  for (auto file = fs::recursive_directory_iterator(folder, error); !error && file != fs::end(file); file.increment(error)) {
+    if (!file->is_regular_file()) continue;
+    lines.push_back(fs::relative(file->path(), folder).generic_string() + ' ' + std::to_string(file->file_size()));
+  }
+  if (error) throw InputError(folder.string() + ": the sequence cannot be read: " + error.message());
+  std::sort(lines.begin(), lines.end());
+  for (const std::string& line : lines) out << line << '\n';
+}
+
+std::uint64_t checksum_of_file(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream bytes;
+  if (!file || !(bytes << file.rdbuf())) throw InputError(path.string() + ": the scores cannot be read; does the file exist?");
+  return checksum(bytes.str());
+}
+
+void replace_all(std::string& text, const std::string& from, const std::string& to) {
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+    text.replace(at, from.size(), to);
+}
+
+/// Every combination of the swept values, the first parameter outermost.
+std::vector<LabCell> swept_cells(const LabDescription& description) {
+  LabCell first;
+  first.settings = description.settings;
+  std::vector<LabCell> cells = {first};
+  for (const LabSweep& sweep : description.sweep) {
+    std::vector<LabCell> more;
+    for (const LabCell& cell : cells) {
+      for (const double value : sweep.values) {
+        more.push_back(cell);
+        more.back().swept.emplace_back(sweep.parameter->name, value);
+        sweep.parameter->of(more.back().settings) = value;
+      }
+    }
+    cells = std::move(more);
+  }
+  return cells;
+}
+
+}  // namespace
+
+std::string LabCell::group() const {
+  std::ostringstream text;
+  text << data;
+  for (const auto& [name, value] : swept) text << ", " << name << ' ' << value;
+  return text.str();
+}
+
+std::string name_of_folder(const fs::path& folder) {
+  const fs::path path = folder.lexically_normal();
+  return (path.has_filename() ? path.filename() : path.parent_path().filename()).string();
+}
+
+std::vector<LabCell> cells_of(const LabDescription& description, const fs::path& data_root) {
+  std::vector<LabCell> cells;
+  std::set<std::string> names;
+  const auto add = [&](const std::string& data, const fs::path& folder, double height_m) {
+    if (!names.insert(data).second) throw InputError(description.path.string() + ": two sequences are called " + data);
+    for (LabCell cell : swept_cells(description)) {
+      cell.data = data;
+      cell.folder = folder;
+      cell.height_above_ground_m = height_m;
+      for (const std::uint64_t seed : description.seeds) {
+        cell.seed = seed;
+        cell.settings.trouble.seed = seed;
+        cells.push_back(cell);
+      }
+    }
+  };
+  if (description.synthetic) add("synthetic", {}, description.synthetic->mean_height_m);
+  for (const SequenceData& sequence : description.sequences) {
+    const fs::path folder = data_root / sequence.folder;
+    if (!fs::is_directory(folder)) {
+      throw InputError(folder.string() + ": there is no such sequence, which " + description.path.string() +
+                       " names; say with --data where its folders are");
+    }
+    add(name_of_folder(folder), folder, sequence.height_above_ground_m);
+  }
+  return cells;
+}
+
+fs::path scores_file(const LabMethod& method, const LabCell& cell, const LabDescription& description) {
+  if (method.method) return {};
+  std::string path = method.scores;
+  replace_all(path, "{data}", cell.data);
+  replace_all(path, "{seed}", std::to_string(cell.seed));
+  return description.path.parent_path() / path;
+}
+
+std::string cell_text(const LabCell& cell, const LabDescription& description) {
+  std::ostringstream text;
+  text << std::setprecision(std::numeric_limits<double>::max_digits10) << "fabloop " << FABLOOP_VERSION << "\ndata " << cell.data
+       << ' ' << cell.height_above_ground_m << "\nseed " << cell.seed << '\n';
+  if (description.synthetic) {
+    const SyntheticData& data = *description.synthetic;
+    for (const double value : {data.length_m, data.spacing_m, data.mean_height_m, data.height_spread_m, data.max_strip_gap_m,
+                               data.texture_m_per_px, data.height_m_per_px, data.camera_scale, data.tile_m})
+      text << value << ' ';
+    text << '\n';
+  } else {
+    list_files(text, cell.folder);
+  }
+  LabSettings settings = cell.settings;
+  for (const LabParameter& parameter : lab_parameters()) text << parameter.name << ' ' << parameter.of(settings) << '\n';
+  for (const LabMethod& method : description.methods) {
+    text << "method " << method.name;
+    if (!method.method) text << ' ' << checksum_of_file(scores_file(method, cell, description));
+    text << '\n';
+  }
+  text << "verifies " << description.verifies() << '\n';
+  for (const LabBackEnd& back_end : description.back_ends) text << "back end " << back_end.name << '\n';
+  text << feature_options_json(description.features) << '\n';
+  return text.str();
+}
+
+std::string cell_checksum(const LabCell& cell, const LabDescription& description) {
+  std::ostringstream text;
+  text << std::hex << std::setfill('0') << std::setw(16) << checksum(cell_text(cell, description));
+  return text.str();
+}
+
+}  // namespace fabloop

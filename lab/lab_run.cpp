@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lab/lab_run.h"
+
+#include <algorithm>
+#include <fstream>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <string>
+#include <thread>
+
+#include "frontend/error.h"
+#include "frontend/output_file.h"
+#include "frontend/parallel.h"
+#include "lab/cell_file.h"
+#include "lab/lab_cell.h"
+#include "lab/lab_figures.h"
+#include "lab/lab_results.h"
+#include "lab/lab_tables.h"
+
+namespace fabloop {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kDescription = "description.yaml";
+
+/// A folder of the experiment's own, or an empty one.
+void open_folder(const fs::path& out) {
+  std::error_code error;
+  if (fs::exists(out, error) && !fs::is_directory(out, error)) throw InputError(out.string() + ": is no folder; choose another");
+  if (fs::exists(out, error) && !fs::is_empty(out, error) && !fs::exists(out / "cells", error))
+    throw InputError(out.string() + ": holds something else than an experiment; choose another folder");
+  fs::create_directories(out / "cells", error);
+  if (error) throw InputError(out.string() + ": cannot be created: " + error.message());
+}
+
+/// A folder that is gone with the object.
+class ScratchFolder {
+ public:
+  explicit ScratchFolder(fs::path path) : path_(std::move(path)) {
+    fs::remove_all(path_);
+    std::error_code error;
+    fs::create_directories(path_, error);
+    if (error) throw InputError(path_.string() + ": cannot be created: " + error.message());
+  }
+  ~ScratchFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+std::size_t count_stale(const fs::path& folder, const std::vector<std::string>& checksums) {
+  const std::set<std::string> known(checksums.begin(), checksums.end());
+  std::size_t count = 0;
+  for (const auto& entry : fs::directory_iterator(folder))
+    count += entry.path().extension() == ".json" && !known.contains(entry.path().stem().string());
+  return count;
+}
+
+void write_text(const fs::path& path, const std::string& text) {
+  OutputFile file(path);
+  file.stream() << text;
+  file.commit();
+}
+
+std::string text_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+}  // namespace
+
+LabRunReport run_lab(const LabDescription& description, const fs::path& out, const LabRunOptions& options) {
+  const fs::path root = options.data_root.empty() ? description.path.parent_path() : options.data_root;
+  std::vector<FinishedCell> cells;
+  std::vector<std::string> checksums;
+  for (LabCell& cell : cells_of(description, root)) {
+    checksums.push_back(cell_checksum(cell, description));
+    cells.push_back({std::move(cell), {}});
+  }
+  open_folder(out);
+  LabRunReport report;
+  report.num_cells = cells.size();
+  report.num_stale = count_stale(out / "cells", checksums);
+  if (report.num_stale > 0 && options.warn) {
+    options.warn((out / "cells").string() + ": " + std::to_string(report.num_stale) +
+                 " cells are of another description, data or version, and have no part in the tables");
+  }
+  const int num_jobs = resolve_num_threads(options.num_jobs);
+  const int threads_a_job = std::max(1, resolve_num_threads(0) / num_jobs);
+  std::mutex mutex;
+  std::size_t num_done = 0;
+  parallel_for(cells.size(), num_jobs, [&](std::size_t i) {
+    const fs::path file = out / "cells" / (checksums[i] + ".json");
+    std::optional<CellResult> known = read_cell(file, checksums[i]);
+    const bool was_there = known.has_value();
+    if (!was_there) {
+      const ScratchFolder scratch(out / "cells" / (checksums[i] + ".scratch"));
+      const CellResult made = run_cell(cells[i].cell, description, scratch.path(), threads_a_job);
+      write_cell(file, checksums[i], cells[i].cell, made);
+      known = read_cell(file, checksums[i]);
+    }
+    cells[i].result = std::move(*known);
+    const std::scoped_lock lock(mutex);
+    report.num_there += was_there;
+    ++num_done;
+    if (options.progress) options.progress("cells", num_done, cells.size());
+  });
+  const LabResults results = evaluate_cells(cells, description, num_jobs);
+  write_results_csv(out / "results.csv", results, description);
+  write_results_json(out / "results.json", results, description);
+  write_text(out / "table.md", results_markdown(results, description));
+  write_lab_figures(out, results, description);
+  write_text(out / kDescription, text_of(description.path));
+  return report;
+}
+
+}  // namespace fabloop

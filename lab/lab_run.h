@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <vector>
+
+#include "frontend/progress.h"
+#include "lab/lab_description.h"
+
+namespace fabloop {
+
+struct LabRunOptions {
+  std::filesystem::path data_root{};  ///< What folders of sequences are relative to. Empty: the description's folder.
+  int num_jobs = 0;                   ///< Cells run at the same time; 0: one a hardware thread. Results do not depend on it.
+  Warn warn{};                        ///< Told of cells of another description.
+  Progress progress{};
+};
+
+/// How an experiment went.
+struct LabRunReport {
+  std::size_t num_cells = 0;
+  std::size_t num_there = 0;  ///< Of them, made by an earlier run.
+  std::size_t num_stale = 0;  ///< Files of cells that the description does not have; they are left alone.
+};
+
+/// Runs an experiment into a folder: each finished cell is one file in `cells/`, named by the checksum of all that it depends on,
+/// so that a run that was killed goes on where it was, and cells that a changed description or program changes are made anew.
+/// Then writes `results.csv`, `results.json`, `table.md`, figures and a copy of the description. The same description gives the
+/// same bytes, in one go or many. Throws InputError when the folder holds something else, and as run_cell() does.
+LabRunReport run_lab(const LabDescription& description, const std::filesystem::path& out, const LabRunOptions& options = {});
+
+}  // namespace fabloop

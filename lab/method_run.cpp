@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lab/method_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "frontend/error.h"
+#include "posegraph/run_folder.h"
+
+namespace fabloop {
+namespace {
+
+using FramePair = std::pair<std::size_t, std::size_t>;  // query, match
+
+/// Stages that a loop has passed when it comes to the back end.
+constexpr int kBeforeBackEnd = 4;
+
+LoopEvaluationOptions evaluation_of(const LabCell& cell) {
+  LoopEvaluationOptions options;
+  options.height_above_ground_m = cell.height_above_ground_m;
+  options.exclusion_window = static_cast<std::size_t>(cell.settings.window);
+  return options;
+}
+
+double probability_of(double log_odds) { return 1.0 / (1.0 + std::exp(-log_odds)); }
+
+/// What the method proposes, by query.
+class Proposals {
+ public:
+  Proposals(const LabMethod& method, const ScoreTable& scores, std::size_t top)
+      : claims_probability_(method.method && is_probabilistic(*method.method)), queries_(scored_queries(scores, top)) {
+    for (const ScoredQuery& query : queries_) {
+      for (const ScoredMatch& match : query.matches) score_of_[{query.frame, scores.place_frames[match.place]}] = match.score;
+    }
+  }
+
+  /// For the loop closer. A score that is no probability says nothing for or against the place.
+  std::vector<Hypothesis> of(std::size_t position) const {
+    constexpr double kUnknown = 0.5;
+    std::vector<Hypothesis> hypotheses;
+    for (const ScoredMatch& match : queries_.at(position).matches) {
+      hypotheses.push_back(
+          {static_cast<PlaceId>(match.place), claims_probability_ ? probability_of(match.score) : kUnknown, match.score});
+    }
+    return hypotheses;
+  }
+
+  const std::vector<ScoredQuery>& queries() const { return queries_; }
+
+  void put_scores(JudgedHypothesis& hypothesis) const {
+    hypothesis.score = score_of_.at({hypothesis.query, hypothesis.match});
+    hypothesis.probability = claims_probability_ ? std::optional(probability_of(hypothesis.score)) : std::nullopt;
+  }
+
+ private:
+  bool claims_probability_;
+  std::vector<ScoredQuery> queries_;
+  std::map<FramePair, double> score_of_;
+};
+
+MapperOptions mapper_options(const LabCell& cell, int num_threads) {
+  MapperOptions options;
+  options.loops.num_threads = num_threads;
+  options.loops.verifier.seed = 1;
+  options.loops.verifier.min_inliers = static_cast<int>(cell.settings.min_inliers);
+  options.loops.consistency.num_required = static_cast<std::size_t>(cell.settings.consistency);
+  return options;
+}
+
+/// Maps the frames with the method's proposals; no loop is withdrawn.
+Map map_with(const Proposals& proposals, const CellData& data, MapperOptions options) {
+  options.loops.propose = [&](std::size_t current) { return proposals.of(current); };
+  options.max_loop_surprise = 1.0;
+  Mapper mapper(data.sequence.camera, data.model, options);
+  for (const DescribedFrame& frame : data.frames) mapper.process(data.sequence.frames[frame.frame], frame);
+  return mapper.finish();
+}
+
+/// The proposals alone, none of them looked at.
+void add_unverified(const Proposals& proposals, const ScoreTable& scores, const CellData& data, JudgedRun& run) {
+  for (const ScoredQuery& query : proposals.queries()) {
+    for (const ScoredMatch& match : query.matches) {
+      JudgedHypothesis hypothesis;
+      hypothesis.query = query.frame;
+      hypothesis.match = scores.place_frames[match.place];
+      hypothesis.place = hypothesis.closure = data.places.at(hypothesis.query, hypothesis.match);
+      run.hypotheses.push_back(hypothesis);
+    }
+  }
+}
+
+}  // namespace
+
+MethodResult run_method(const LabMethod& method, const ScoreTable& scores, const CellData& data, const LabCell& cell,
+                        const LabDescription& description, const std::filesystem::path& scratch, int num_threads) {
+  const Proposals proposals(method, scores, static_cast<std::size_t>(cell.settings.top));
+  const LoopEvaluationOptions evaluation = evaluation_of(cell);
+  MethodResult result{method.name, scores.label, {}, {}};
+  if (!description.verifies()) {
+    result.run = judge_run({}, data.places, data.loops, evaluation);
+    add_unverified(proposals, scores, data, result.run);
+  } else {
+    const MapperOptions options = mapper_options(cell, num_threads);
+    const Map map = map_with(proposals, data, options);
+    const std::filesystem::path ledger = scratch / "loops.csv";
+    write_loops_csv(ledger, map);
+    result.run = judge_run(read_ledger(ledger), data.places, data.loops, evaluation);
+    std::filesystem::remove(ledger);
+    // No back end has spoken yet.
+    for (JudgedHypothesis& hypothesis : result.run.hypotheses)
+      hypothesis.num_stages_passed = std::min(hypothesis.num_stages_passed, kBeforeBackEnd);
+    result.back_ends = try_back_ends(description.back_ends,
+                                     {map, data.loops, data.reference, data.frame_times_ns, evaluation, options, cell.settings});
+  }
+  result.run.has_consistency = cell.settings.consistency > 0.0;
+  for (JudgedHypothesis& hypothesis : result.run.hypotheses) proposals.put_scores(hypothesis);
+  return result;
+}
+
+JudgedRun with_back_end(const JudgedRun& run, const BackEndTrial& trial) {
+  JudgedRun judged = run;
+  std::map<FramePair, bool> is_kept;
+  for (const TriedLoop& loop : trial.loops) {
+    if (!loop.is_injected) is_kept[{loop.query, loop.match}] = loop.is_kept;
+  }
+  for (JudgedHypothesis& hypothesis : judged.hypotheses) {
+    const auto found = is_kept.find({hypothesis.query, hypothesis.match});
+    if (hypothesis.num_stages_passed == kBeforeBackEnd && found != is_kept.end()) hypothesis.num_stages_passed += found->second;
+  }
+  for (const TriedLoop& loop : trial.loops) {
+    if (!loop.is_injected) continue;
+    JudgedHypothesis injected;
+    injected.query = loop.query;
+    injected.match = loop.match;
+    injected.num_stages_passed = kBeforeBackEnd + (loop.is_kept ? 1 : 0);
+    injected.place = injected.closure = loop.truth;
+    judged.hypotheses.push_back(injected);
+  }
+  return judged;
+}
+
+JudgedRun pooled(const std::vector<const JudgedRun*>& runs) {
+  JudgedRun all;
+  std::size_t first_frame = 0;
+  for (const JudgedRun* run : runs) {
+    if (all.recipe.empty()) all.recipe = run->recipe;
+    all.has_consistency = all.has_consistency || run->has_consistency;
+    std::size_t num_frames = 0;
+    for (QueryTruth query : run->queries) {
+      num_frames = std::max(num_frames, query.frame + 1);
+      query.frame += first_frame;
+      all.queries.push_back(query);
+    }
+    for (JudgedHypothesis hypothesis : run->hypotheses) {
+      hypothesis.query += first_frame;
+      hypothesis.match += first_frame;
+      all.hypotheses.push_back(hypothesis);
+    }
+    first_frame += num_frames;
+  }
+  return all;
+}
+
+}  // namespace fabloop
