@@ -7,7 +7,7 @@
 #include "apps/progress_bar.h"
 #include "apps/run_report.h"
 #include "frontend/error.h"
-#include "lab/lab_run.h"
+#include "apps/lab/lab_run.h"
 
 namespace fabloop::apps {
 namespace {

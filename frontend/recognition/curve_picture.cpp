@@ -90,8 +90,8 @@ cv::Mat draw_precision_recall(const std::string& title, const PrecisionRecall& r
   draw_curve(canvas.picture, *result.curve, plot::series_colour(0), canvas.recall, canvas.precision);
   if (result.curve->full_precision_threshold) {
     constexpr double kRadiusPx = 5;
-    draw::disc(canvas.picture, {canvas.recall.pixel(result.curve->recall_at_full_precision), canvas.precision.pixel(1.0)}, kRadiusPx,
-               kFullPrecision);
+    draw::disc(canvas.picture, {canvas.recall.pixel(result.curve->recall_at_full_precision), canvas.precision.pixel(1.0)},
+               kRadiusPx, kFullPrecision);
   }
   return canvas.picture;
 }

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "lab/lab_settings.h"
+#include "apps/lab/lab_settings.h"
 #include "tests/apps/program.h"
 #include "tests/posegraph/scratch_folder.h"
 #include "tests/support/tiny_sequence.h"

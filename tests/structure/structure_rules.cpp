@@ -21,9 +21,8 @@ const std::map<std::string, Folders>& allowed_folders() {
       {"verification", {"frontend", "verification"}},
       {"posegraph", {"frontend", "verification", "posegraph"}},
       {"data", {"frontend", "data"}},
-      {"lab", {"frontend", "verification", "posegraph", "data", "lab"}},
-      {"apps", {"frontend", "verification", "posegraph", "data", "lab", "apps"}},
-      {"tests", {"frontend", "verification", "posegraph", "data", "lab", "apps", "tests"}},
+      {"apps", {"frontend", "verification", "posegraph", "data", "apps"}},
+      {"tests", {"frontend", "verification", "posegraph", "data", "apps", "tests"}},
   };
   return allowed;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lab/strict_yaml.h"
+#include "apps/lab/strict_yaml.h"
 
 #include <charconv>
 #include <cmath>

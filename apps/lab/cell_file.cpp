@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lab/cell_file.h"
+#include "apps/lab/cell_file.h"
 
 #include <cmath>
 #include <fstream>

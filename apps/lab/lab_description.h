@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "apps/lab/lab_settings.h"
 #include "frontend/baselines/place_method.h"
 #include "frontend/features/feature_options.h"
-#include "lab/lab_settings.h"
 #include "posegraph/robust/back_end.h"
 #include "posegraph/stage_evaluation.h"
 

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string>
 
-#include "lab/cell_run.h"
-#include "lab/lab_cell.h"
+#include "apps/lab/cell_run.h"
+#include "apps/lab/lab_cell.h"
 
 namespace fabloop {
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "lab/lab_description.h"
-#include "lab/lab_settings.h"
+#include "apps/lab/lab_description.h"
+#include "apps/lab/lab_settings.h"
 
 namespace fabloop {
 

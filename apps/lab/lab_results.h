@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "lab/cell_run.h"
-#include "lab/lab_cell.h"
-#include "lab/lab_description.h"
+#include "apps/lab/cell_run.h"
+#include "apps/lab/lab_cell.h"
+#include "apps/lab/lab_description.h"
 #include "posegraph/stage_evaluation.h"
 
 namespace fabloop {

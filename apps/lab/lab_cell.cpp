@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lab/lab_cell.h"
+#include "apps/lab/lab_cell.h"
 
 #include <algorithm>
 #include <fstream>

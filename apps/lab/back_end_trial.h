@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "apps/lab/lab_description.h"
 #include "frontend/sequence/trajectory.h"
-#include "lab/lab_description.h"
 #include "posegraph/loop_evaluation.h"
 #include "posegraph/loop_truth.h"
 #include "posegraph/mapper.h"

@@ -6,10 +6,10 @@
 #include <optional>
 #include <vector>
 
+#include "apps/lab/lab_cell.h"
+#include "apps/lab/lab_description.h"
+#include "apps/lab/method_run.h"
 #include "data/sequence_trouble.h"
-#include "lab/lab_cell.h"
-#include "lab/lab_description.h"
-#include "lab/method_run.h"
 
 namespace fabloop {
 

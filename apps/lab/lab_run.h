@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <vector>
 
+#include "apps/lab/lab_description.h"
 #include "frontend/progress.h"
-#include "lab/lab_description.h"
 
 namespace fabloop {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lab/cell_run.h"
+#include "apps/lab/cell_run.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lab/lab_description.h"
+#include "apps/lab/lab_description.h"
 
 #include <algorithm>
 #include <array>
@@ -8,9 +8,9 @@
 #include <set>
 #include <utility>
 
+#include "apps/lab/strict_yaml.h"
 #include "frontend/error.h"
 #include "frontend/features/feature_settings.h"
-#include "lab/strict_yaml.h"
 
 namespace fabloop {
 namespace {

@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "apps/lab/back_end_trial.h"
+#include "apps/lab/lab_cell.h"
 #include "frontend/baselines/score_table.h"
 #include "frontend/fabmap/ground_truth.h"
 #include "frontend/fabmap/model.h"
 #include "frontend/sequence/sequence.h"
-#include "lab/back_end_trial.h"
-#include "lab/lab_cell.h"
 #include "posegraph/describe_sequence.h"
 #include "posegraph/stage_evaluation.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lab/lab_run.h"
+#include "apps/lab/lab_run.h"
 
 #include <algorithm>
 #include <fstream>
@@ -10,14 +10,14 @@
 #include <string>
 #include <thread>
 
+#include "apps/lab/cell_file.h"
+#include "apps/lab/lab_cell.h"
+#include "apps/lab/lab_figures.h"
+#include "apps/lab/lab_results.h"
+#include "apps/lab/lab_tables.h"
 #include "frontend/error.h"
 #include "frontend/output_file.h"
 #include "frontend/parallel.h"
-#include "lab/cell_file.h"
-#include "lab/lab_cell.h"
-#include "lab/lab_figures.h"
-#include "lab/lab_results.h"
-#include "lab/lab_tables.h"
 
 namespace fabloop {
 namespace {

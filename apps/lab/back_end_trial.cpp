@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lab/back_end_trial.h"
+#include "apps/lab/back_end_trial.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lab/lab_results.h"
+#include "apps/lab/lab_results.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,10 +8,10 @@
 #include <limits>
 #include <sstream>
 
+#include "apps/lab/cell_file.h"
+#include "apps/lab/lab_figures.h"
+#include "apps/lab/lab_tables.h"
 #include "frontend/error.h"
-#include "lab/cell_file.h"
-#include "lab/lab_figures.h"
-#include "lab/lab_tables.h"
 #include "tests/posegraph/scratch_folder.h"
 
 namespace fabloop {

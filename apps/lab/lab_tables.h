@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <string>
 
-#include "lab/lab_description.h"
-#include "lab/lab_results.h"
+#include "apps/lab/lab_description.h"
+#include "apps/lab/lab_results.h"
 
 namespace fabloop {
 

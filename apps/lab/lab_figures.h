@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "lab/lab_description.h"
-#include "lab/lab_results.h"
+#include "apps/lab/lab_description.h"
+#include "apps/lab/lab_results.h"
 
 namespace fabloop {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lab/method_run.h"
+#include "apps/lab/method_run.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lab/lab_figures.h"
+#include "apps/lab/lab_figures.h"
 
 #include <algorithm>
 #include <opencv2/imgproc.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lab/lab_description.h"
+#include "apps/lab/lab_description.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
