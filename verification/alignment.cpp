@@ -157,7 +157,7 @@ class AlignmentProblem {
 /// Inverse covariance at the optimum from the inliers' scatter over what the noise model expects.
 template <int kDimension>
 void state_information(const AlignmentProblem& problem, const Similarity& model, const AlignmentOptions& options,
-                       Alignment& result) {
+                       PointAlignment& result) {
   const NormalEquations<kDimension> normal = problem.linearise<kDimension>(model, result.inliers);
   const double num_residuals = 3.0 * static_cast<double>(result.inliers.size());
   constexpr double kMinVariance = 1e-12;
@@ -167,13 +167,13 @@ void state_information(const AlignmentProblem& problem, const Similarity& model,
   result.rms_error_sigmas = std::sqrt(normal.cost / num_residuals);
 }
 
-std::optional<Alignment> finish(const AlignmentProblem& problem, const RansacResult<Similarity>& best,
+std::optional<PointAlignment> finish(const AlignmentProblem& problem, const RansacResult<Similarity>& best,
                                 const AlignmentOptions& options) {
   constexpr std::size_t kMinInliers = 5;
   constexpr int kRounds = 4;
   constexpr int kSteps = 20;
   Similarity model = best.model;
-  Alignment result;
+  PointAlignment result;
   result.inliers = best.inliers;
   result.iterations = best.iterations;
   for (int round = 0; round < kRounds && result.inliers.size() >= kMinInliers; ++round) {
@@ -213,7 +213,7 @@ void validate(std::span<const PointPair> pairs, const AlignmentOptions& options)
 
 }  // namespace
 
-std::optional<Alignment> align_points(std::span<const PointPair> pairs, const AlignmentOptions& options) {
+std::optional<PointAlignment> align_points(std::span<const PointPair> pairs, const AlignmentOptions& options) {
   validate(pairs, options);
   const AlignmentProblem problem(pairs, options);
   const auto best = ransac(problem, {options.max_error_sigmas, options.confidence, options.max_iterations, options.seed});

@@ -42,7 +42,7 @@ struct AlignmentOptions {
 };
 
 /// How two sets of points relate: x_in_match = scale * rotation * x_in_query + translation.
-struct Alignment {
+struct PointAlignment {
   Pose match_from_query;
   double scale = 1;                  ///< Units of the match per unit of the query.
   std::vector<std::size_t> inliers;  ///< Ascending.
@@ -55,6 +55,6 @@ struct Alignment {
 /// Aligns points by RANSAC over three of them (Arun, Huang & Blostein 1987, by OpenGV; Umeyama 1991 with scale), pairs sorted
 /// best first, refined on all inliers with every pair weighed by its own noise. None when fewer than five pairs agree. Throws
 /// InputError when the options or the data make no sense.
-std::optional<Alignment> align_points(std::span<const PointPair> pairs, const AlignmentOptions& options = {});
+std::optional<PointAlignment> align_points(std::span<const PointPair> pairs, const AlignmentOptions& options = {});
 
 }  // namespace fabloop

@@ -38,7 +38,7 @@ std::vector<PointPair> shared_points(const Segment& from, const Segment& to) {
   return pairs;
 }
 
-std::optional<Alignment> align(const Scene& scene, const Segment& from, const Segment& to, const JoinOptions& options) {
+std::optional<PointAlignment> align(const Scene& scene, const Segment& from, const Segment& to, const JoinOptions& options) {
   const std::vector<PointPair> pairs = shared_points(from, to);
   if (pairs.size() < options.min_inliers) return std::nullopt;
   AlignmentOptions alignment;
@@ -54,7 +54,7 @@ std::optional<Alignment> align(const Scene& scene, const Segment& from, const Se
 }
 
 /// The larger segment with the views of the smaller.
-Segment joined(const Scene& scene, Segment large, const Segment& small, const Alignment& large_from_small,
+Segment joined(const Scene& scene, Segment large, const Segment& small, const PointAlignment& large_from_small,
                const JoinOptions& options) {
   constexpr double kRoughErrorPx = 12.0;  // before the first adjustment
   for (std::size_t view = 0; view < scene.views.size(); ++view) {
