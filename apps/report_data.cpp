@@ -144,7 +144,7 @@ ordered_json pair_gates(const ordered_json& summary) {
           {{"name", "inliers"},
            {"explanation", "matches that agree with a pose of the two views"},
            {"at_least", limits.value("min_inliers", 0)}},
-          {{"name", "median_parallax_deg"}, {"explanation", "angle between the views' rays, rotation undone"}},
+          {{"name", "parallax_deg"}, {"explanation", "angle between the views' rays, rotation undone"}},
           {{"name", "point_inliers"},
            {"explanation", "points of the map that both images show"},
            {"at_least", limits.value("min_shared_points", 0)}},

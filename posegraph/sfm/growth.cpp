@@ -6,6 +6,8 @@
 #include <optional>
 #include <utility>
 
+#include "frontend/parallel.h"
+
 namespace fabloop {
 namespace {
 
@@ -13,15 +15,18 @@ constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
 
 /// The view that sees most of the segment, those aside that failed with as many points.
 std::optional<std::size_t> next_view(const Scene& scene, const Segment& segment, const std::vector<char>& may_be_placed,
-                                     const std::vector<std::size_t>& failed_with, std::size_t min_points) {
+                                     const std::vector<std::size_t>& failed_with, const GrowthOptions& options) {
+  std::vector<Visibility> visible(scene.views.size());
+  parallel_for(scene.views.size(), options.triangulation.num_threads, [&](std::size_t view) {
+    if (may_be_placed[view] != 0 && !segment.world_from_cameras[view]) visible[view] = visibility(scene, segment, view);
+  });
   std::optional<std::size_t> best;
   std::size_t best_score = 0;
   for (std::size_t view = 0; view < scene.views.size(); ++view) {
-    if (may_be_placed[view] == 0 || segment.world_from_cameras[view]) continue;
-    const Visibility visible = visibility(scene, segment, view);
     // A view that failed is worth another try when it sees a fifth more.
-    if (visible.num_points < min_points || 5 * visible.num_points <= 6 * failed_with[view]) continue;
-    if (visible.score > best_score) best = view, best_score = visible.score;
+    const std::size_t num_points = visible[view].num_points;
+    if (num_points < options.resection.min_inliers || 5 * num_points <= 6 * failed_with[view]) continue;
+    if (visible[view].score > best_score) best = view, best_score = visible[view].score;
   }
   return best;
 }
@@ -70,7 +75,7 @@ std::size_t grow_and_tell(const Scene& scene, Segment& segment, const std::vecto
     if (after_settling) after_settling();
   };
   while (num_added < max_added) {
-    const auto view = next_view(scene, segment, may_be_placed, failed_with, options.resection.min_inliers);
+    const auto view = next_view(scene, segment, may_be_placed, failed_with, options);
     if (!view) {
       if (placed == placed_at_adjustment) break;
       adjust_all();
