@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
 
+#include <algorithm>
+
 #include "tests/apps/map_run.h"
 #include "tests/posegraph/scratch_folder.h"
 #include "tests/support/tiny_sequence.h"
@@ -39,17 +41,20 @@ TEST_F(MapFromImages, KilledItGoesOnToTheSameFiles) {
 }
 
 TEST_F(MapFromImages, HasAReportInTheReferencesUnitAndSaysWhatLoopsAreWorth) {
-  const ProgramResult result = run_fabloop(images_command(flight_, run_, {"--quiet", "--without-loops"}));
+  const fs::path flight = tiny_sequence();  // the whole, which comes back to its start
+  const ProgramResult result = run_fabloop(images_command(flight, run_, {"--quiet", "--without-loops"}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto data = data_of(bytes_of(run_ / "report.html"));
   EXPECT_EQ(data.at("map").at("unit"), "m");
-  EXPECT_EQ(data.at("map").at("final").size(), 4 * kNumFrames);
-  EXPECT_EQ(data.at("inliers").at("counts").size(), data.at("ledger").at("query").size());
+  EXPECT_EQ(data.at("map").at("final").size(), 4 * data.at("frames").size());
+  const std::vector<int> counts = data.at("inliers").at("counts");
+  EXPECT_EQ(counts.size(), data.at("ledger").at("query").size());
+  EXPECT_GT(std::count_if(counts.begin(), counts.end(), [](int count) { return count > 0; }), 0);
   EXPECT_FALSE(data.at("ledger").contains("p_new"));
   std::vector<std::string> errors;
   for (const auto& error : data.at("truth").at("errors")) errors.push_back(error.at("name"));
   EXPECT_EQ(errors, (std::vector<std::string>{"odometry", "final"}));
-  const ProgramResult judged = run_fabloop({"evaluate", run_.string(), "--truth", flight_.string(), "--sim3", "--json"});
+  const ProgramResult judged = run_fabloop({"evaluate", run_.string(), "--truth", flight.string(), "--sim3", "--json"});
   ASSERT_EQ(judged.exit_code, 0) << judged.err;
   const auto figures = nlohmann::json::parse(judged.out);
   const auto ate = [&](const char* name) { return figures.at("trajectories").at(name).at("ate_m").at("rmse").get<double>(); };
