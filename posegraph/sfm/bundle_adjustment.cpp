@@ -14,7 +14,7 @@
 #include <memory>
 
 #include "frontend/error.h"
-#include "posegraph/sfm/reprojection_cost.h"
+#include "posegraph/residuals/reprojection_cost.h"
 
 namespace fabloop {
 namespace {

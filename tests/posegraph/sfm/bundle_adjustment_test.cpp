@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "frontend/error.h"
-#include "posegraph/sfm/reprojection_cost.h"
+#include "posegraph/residuals/reprojection_cost.h"
 #include "tests/posegraph/numeric_derivatives.h"
 #include "tests/posegraph/sfm/synthetic_scene.h"
 
