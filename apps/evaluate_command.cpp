@@ -83,6 +83,16 @@ ordered_json judge_trajectory(const EvaluateArguments& arguments, const fs::path
   return result;
 }
 
+/// The final error as a share of the odometry's; null without both.
+ordered_json error_left(const ordered_json& trajectories) {
+  for (const char* name : {"trajectory.tum", "trajectory_odometry.tum"}) {
+    if (!trajectories.contains(name) || trajectories[name]["ate_m"].is_null()) return nullptr;
+  }
+  const double before = trajectories["trajectory_odometry.tum"]["ate_m"]["rmse"].get<double>();
+  if (!(before > 0.0)) return nullptr;
+  return trajectories["trajectory.tum"]["ate_m"]["rmse"].get<double>() / before;
+}
+
 ordered_json judge_loops(const EvaluateArguments& arguments, const LoopTruth& truth) {
   const LoopEvaluation evaluation = evaluate_loops(read_loops(arguments.truth.run / "loops.csv"), truth, arguments.loops);
   ordered_json result;
@@ -113,7 +123,7 @@ ordered_json judge_loops(const EvaluateArguments& arguments, const LoopTruth& tr
 ordered_json judge_without_stages(const EvaluateArguments& arguments, const RunTruth& truth, const LedgerTable& ledger) {
   ordered_json result = ordered_json::array();
   const fs::path graph = arguments.truth.run / "graph.g2o";
-  if (!fs::exists(graph) || truth.reference.empty()) return result;
+  if (!fs::exists(graph) || truth.reference.empty() || read_run_kind(arguments.truth.run).is_from_images) return result;
   for (const StageTrajectory& without : solve_without_stages(read_g2o(graph), ledger, truth.frame_times_ns)) {
     const auto ate = absolute_trajectory_error(without.trajectory, truth.reference, error_options(arguments));
     result.push_back({{"name", without.name},
@@ -191,6 +201,7 @@ void run_evaluate(const EvaluateArguments& arguments) {
     if (!reference || !fs::exists(run / name)) continue;
     result["trajectories"][name] = judge_trajectory(arguments, run / name, reference_trajectory);
   }
+  result["error_left"] = error_left(result["trajectories"]);
   const bool has_loops = fs::exists(run / "loops.csv");
   if (!has_loops && result["trajectories"].empty()) {
     throw InputError(run.string() + ": has neither trajectory.tum nor loops.csv; give the folder that a run wrote");
@@ -217,6 +228,9 @@ void run_evaluate(const EvaluateArguments& arguments) {
   }
   std::cout << std::setprecision(4);
   for (const auto& [name, trajectory] : result["trajectories"].items()) print_trajectory(name, trajectory);
+  if (!result["error_left"].is_null()) {
+    std::cout << "ATE of trajectory.tum over that of trajectory_odometry.tum: " << result["error_left"].get<double>() << '\n';
+  }
   if (has_loops) print_loops(result["loops"]);
   if (!stages) return;
   print_stages(std::cout, *stages);

@@ -38,6 +38,8 @@ struct MapArguments {
   double gps_sigma_m = GeoreferenceOptions{}.sigma_m;
   std::size_t gps_neighbours = 0;
   bool no_report = false;
+  bool fresh = false;
+  bool without_loops = false;
   MapSequenceOptions options;
 };
 
@@ -91,31 +93,6 @@ void take_positions(const MapArguments& arguments, const Sequence& sequence, Rec
                                                         : PositionUse::Witness;
 }
 
-/// The map from images alone.
-void run_reconstruct(const MapArguments& arguments, const CommonOptions& common, OutputFolder::IfExists if_exists) {
-  const Sequence sequence = read_sequence(arguments.sequence, {.camera = arguments.camera,
-                                                               .odometry = arguments.odometry,
-                                                               .reference = arguments.reference,
-                                                               .max_time_difference_s = arguments.max_time_difference_s,
-                                                               .warn = make_warn(common)});
-  std::optional<Model> model;
-  if (!arguments.model.empty()) model = read_model(arguments.model);
-  ReconstructOptions options;
-  options.features = asked_features(arguments.features, reconstruction_features());
-  options.refine = arguments.refine == "focal"          ? RefineCamera::Focal
-                   : arguments.refine == "focal-radial" ? RefineCamera::FocalRadial
-                                                        : RefineCamera::Nothing;
-  take_positions(arguments, sequence, options);
-  options.if_damaged = arguments.strict ? IfDamaged::Refuse : IfDamaged::Skip;
-  options.num_threads = common.num_threads;
-  options.seed = arguments.options.seed;
-  options.warn = make_warn(common);
-  options.progress = make_progress(common);
-  const Reconstructed result = reconstruct(sequence, model, options);
-  write_reconstruction_folder(arguments.out, sequence, result, options, if_exists);
-  print_reconstruction_report(std::cout, sequence, result, arguments.out);
-}
-
 /// The page about the run, judged where the sequence has a truth.
 void write_report_of(const MapArguments& arguments, const Sequence& sequence, const CommonOptions& common) {
   namespace fs = std::filesystem;
@@ -132,10 +109,41 @@ void write_report_of(const MapArguments& arguments, const Sequence& sequence, co
   write_report(input.truth.run / "report.html", input);
 }
 
+/// The map from images alone.
+void run_reconstruct(const MapArguments& arguments, const CommonOptions& common, OutputFolder::IfExists if_exists) {
+  const Sequence sequence = read_sequence(arguments.sequence, {.camera = arguments.camera,
+                                                               .odometry = arguments.odometry,
+                                                               .reference = arguments.reference,
+                                                               .max_time_difference_s = arguments.max_time_difference_s,
+                                                               .warn = make_warn(common)});
+  std::optional<Model> model;
+  if (!arguments.model.empty()) model = read_model(arguments.model);
+  ReconstructOptions options;
+  options.features =
+      model ? features_to_extract(arguments, model) : asked_features(arguments.features, reconstruction_features());
+  options.refine = arguments.refine == "focal"          ? RefineCamera::Focal
+                   : arguments.refine == "focal-radial" ? RefineCamera::FocalRadial
+                                                        : RefineCamera::Nothing;
+  take_positions(arguments, sequence, options);
+  options.if_damaged = arguments.strict ? IfDamaged::Refuse : IfDamaged::Skip;
+  options.num_threads = common.num_threads;
+  options.seed = arguments.options.seed;
+  options.warn = make_warn(common);
+  options.progress = make_progress(common);
+  options.also_without_loops = arguments.without_loops;
+  options.state_folder = OutputFolder::part_path_of(arguments.out);
+  if (arguments.fresh) options.if_state_found = WorkState::IfFound::Discard;
+  const Reconstructed result = reconstruct(sequence, model, options);
+  write_reconstruction_folder(arguments.out, sequence, result, options, if_exists);
+  if (!arguments.no_report) write_report_of(arguments, sequence, common);
+  print_reconstruction_report(std::cout, sequence, result, arguments.out);
+}
+
 void run_map(MapArguments& arguments, const CommonOptions& common) {
   const auto if_exists = arguments.overwrite ? OutputFolder::IfExists::Replace : OutputFolder::IfExists::Refuse;
-  { const OutputFolder probe(arguments.out, if_exists); }  // before the work, not after it
+  OutputFolder::require_usable(arguments.out, if_exists);  // before the work, not after it
   if (arguments.odometry.empty() || arguments.from_images) return run_reconstruct(arguments, common, if_exists);
+  { const OutputFolder probe(arguments.out, if_exists); }  // that it can be written
   require_usable_maps(arguments);
   SequenceOptions sequence_options{.camera = arguments.camera,
                                    .odometry = arguments.odometry,
@@ -186,6 +194,9 @@ void add_input_options(CLI::App* command, MapArguments& arguments) {
 void add_reconstruction_options(CLI::App* command, MapArguments& arguments) {
   command->add_flag("--from-images", arguments.from_images,
                     "structure from motion although there is odometry, which then gives the unit of length only");
+  command->add_flag("--without-loops", arguments.without_loops,
+                    "without odometry: make the map of neighbouring images alone, too, as trajectory_odometry.tum to compare with");
+  command->add_flag("--fresh", arguments.fresh, "without odometry: forget what a stopped run left in OUT.part");
   command->add_option("--gps", arguments.gps,
                       "without odometry: lines filename,latitude,longitude,altitude (default: gps.csv in the folder, else EXIF)");
   command

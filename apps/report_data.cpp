@@ -75,24 +75,27 @@ ordered_json judgements(const LedgerTable& ledger, const JudgedRun& judged, cons
   return list;
 }
 
-ordered_json errors(const fs::path& run, const Trajectory& reference) {
+/// A run without a unit is judged in the reference's.
+Alignment alignment_of(const RunKind& kind) { return kind.has_unit ? Alignment::Se3 : Alignment::Sim3; }
+
+ordered_json errors(const fs::path& run, const Trajectory& reference, Alignment alignment) {
   ordered_json list = ordered_json::array();
   for (const auto& [name, file] : {std::pair("odometry", "trajectory_odometry.tum"), std::pair("online", "trajectory_online.tum"),
                                    std::pair("final", "trajectory.tum")}) {
     if (!fs::exists(run / file)) continue;
-    const auto ate = absolute_trajectory_error(read_tum(run / file), reference);
+    const auto ate = absolute_trajectory_error(read_tum(run / file), reference, {.alignment = alignment});
     if (ate) list.push_back({{"name", name}, {"ate_m", ate->translation_m.rmse}, {"max_m", ate->translation_m.max}});
   }
   return list;
 }
 
-ordered_json truth_data(const ReportInput& input, const RunTruth& truth, const LedgerTable& ledger) {
+ordered_json truth_data(const ReportInput& input, const RunKind& kind, const RunTruth& truth, const LedgerTable& ledger) {
   const JudgedRun judged = judge_run(ledger, truth.places, truth.loops, input.loops);
   ordered_json data = {{"evaluation", stages_json(evaluate_stages(judged, input.stages))},
                        {"rows", judgements(ledger, judged, truth.loops, input.loops)},
-                       {"errors", errors(input.truth.run, truth.reference)}};
+                       {"errors", errors(input.truth.run, truth.reference, alignment_of(kind))}};
   const fs::path graph = input.truth.run / "graph.g2o";
-  if (truth.reference.empty() || !fs::exists(graph)) return data;
+  if (truth.reference.empty() || !fs::exists(graph) || kind.is_from_images) return data;
   for (const StageTrajectory& without : solve_without_stages(read_g2o(graph), ledger, truth.frame_times_ns)) {
     const auto ate = absolute_trajectory_error(without.trajectory, truth.reference);
     if (!ate) continue;
@@ -116,6 +119,20 @@ ordered_json gates(const ordered_json& summary) {
     list.push_back(std::move(one));
   }
   return list;
+}
+
+/// Of a run from images alone, whose pairs are proven by two views and then by the map's points.
+ordered_json pair_gates(const ordered_json& summary) {
+  const ordered_json limits = summary.value("parameters", ordered_json::object()).value("pairs", ordered_json::object());
+  return {{{"name", "matches"}, {"explanation", "features that look alike"}},
+          {{"name", "inliers"},
+           {"explanation", "matches that agree with a pose of the two views"},
+           {"at_least", limits.value("min_inliers", 0)}},
+          {{"name", "parallax_deg"}, {"explanation", "angle between the views' rays, rotation undone"}},
+          {{"name", "point_inliers"},
+           {"explanation", "points of the map that both images show"},
+           {"at_least", limits.value("min_shared_points", 0)}},
+          {{"name", "rms_error_px"}, {"explanation", "distance of those points from where the query shows them"}}};
 }
 
 ordered_json verdicts() {
@@ -189,11 +206,13 @@ ordered_json report_data(const ReportInput& input) {
   data["frames"] = names;
   RunTruth truth;
   if (!input.truth.truth.empty()) truth = read_run_truth(input.truth);
-  data["map"] = map_data(run, truth.reference, times_ns);
+  const RunKind kind = read_run_kind(run);
+  data["map"] = map_data(run, truth.reference, times_ns, alignment_of(kind));
   data["ledger"] = ledger_data(ledger);
-  data["gates"] = gates(data["summary"]);
+  if (kind.is_from_images) data["ledger"].erase("p_new");  // pairs are proposed without a belief
+  data["gates"] = kind.is_from_images ? pair_gates(data["summary"]) : gates(data["summary"]);
   data["verdicts"] = verdicts();
-  data["truth"] = input.truth.truth.empty() ? ordered_json(nullptr) : truth_data(input, truth, ledger);
+  data["truth"] = input.truth.truth.empty() ? ordered_json(nullptr) : truth_data(input, kind, truth, ledger);
   data["inliers"] = inlier_data(run / "inliers.npy", ledger);
   data["images"] = image_data(input, names);
   return data;

@@ -12,7 +12,6 @@
 #include <unordered_map>
 
 #include "apps/report_images.h"
-#include "posegraph/trajectory_error.h"
 
 namespace fabloop::apps {
 namespace {
@@ -129,15 +128,17 @@ ordered_json points_data(const std::vector<GreyPoint>& points) {
 
 }  // namespace
 
-ordered_json map_data(const fs::path& run, const Trajectory& reference, const std::vector<std::int64_t>& frame_times_ns) {
+ordered_json map_data(const fs::path& run, const Trajectory& reference, const std::vector<std::int64_t>& frame_times_ns,
+                      Alignment alignment) {
   std::unordered_map<std::int64_t, std::size_t> frames;
   for (std::size_t i = 0; i < frame_times_ns.size(); ++i) frames[frame_times_ns[i]] = i;
   const Trajectory final = read_tum(run / "trajectory.tum");
   Similarity to;
-  const auto error = absolute_trajectory_error(final, reference);
+  const auto error = absolute_trajectory_error(final, reference, {.alignment = alignment});
   if (error) to = error->reference_from_estimate;
   ordered_json map;
   map["world"] = error ? "reference" : "odometry";
+  map["unit"] = error || alignment != Alignment::Sim3 ? "m" : "units";
   map["final"] = track(final, to, frames);
   for (const char* name : {"odometry", "online"}) {
     const fs::path path = run / (std::string("trajectory_") + name + ".tum");

@@ -134,7 +134,7 @@ void run_train(TrainArguments& arguments, const CommonOptions& common) {
   options.progress = make_progress(common);
   options.warn = make_warn(common);
   options.state_folder = arguments.out + ".part";
-  if (arguments.fresh) options.if_state_found = TrainingState::IfFound::Discard;
+  if (arguments.fresh) options.if_state_found = WorkState::IfFound::Discard;
   const TrainedModel trained = needs_sources(arguments) ? train_on_sources(arguments) : train_on_sequences(arguments);
   write_and_remove_state(arguments.out, options.state_folder, trained.model);
   if (!arguments.report.empty()) write_report(arguments.report, trained.report);

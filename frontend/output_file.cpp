@@ -3,7 +3,9 @@
 
 #include <cerrno>
 #include <cstring>
+#include <string>
 #include <system_error>
+#include <utility>
 
 #include "frontend/error.h"
 
@@ -50,15 +52,22 @@ void OutputFile::commit() {
   committed_ = true;
 }
 
-OutputFolder::OutputFolder(fs::path path, IfExists if_exists)
-    : path_(without_trailing_slash(path)), part_path_(with_suffix(path_, ".part")) {
+void OutputFolder::require_usable(const fs::path& path, IfExists if_exists) {
   std::error_code error;
-  if (fs::exists(path_, error)) {
-    if (!fs::is_directory(path_, error)) throw InputError(path_.string() + ": is a file, not a folder; choose another --out");
-    if (if_exists == IfExists::Refuse && !fs::is_empty(path_, error)) {
-      throw InputError(path_.string() + ": exists already; choose another --out, or give --overwrite to replace it");
-    }
+  if (!fs::exists(path, error)) return;
+  const std::string name = without_trailing_slash(path).string();
+  if (!fs::is_directory(path, error)) throw InputError(name + ": is a file, not a folder; choose another --out");
+  if (if_exists == IfExists::Refuse && !fs::is_empty(path, error)) {
+    throw InputError(name + ": exists already; choose another --out, or give --overwrite to replace it");
   }
+}
+
+fs::path OutputFolder::part_path_of(const fs::path& path) { return with_suffix(without_trailing_slash(path), ".part"); }
+
+OutputFolder::OutputFolder(fs::path path, IfExists if_exists, fs::path part_path)
+    : path_(without_trailing_slash(path)), part_path_(part_path.empty() ? part_path_of(path_) : std::move(part_path)) {
+  require_usable(path_, if_exists);
+  std::error_code error;
   fs::remove_all(part_path_, error);
   fs::create_directories(part_path_, error);
   if (error) throw InputError(path_.string() + ": cannot be created (" + error.message() + "); choose another place");

@@ -29,19 +29,26 @@ class OutputFile {
   bool committed_ = false;
 };
 
-/// A folder that appears under its final name only when it is complete: files are written into `NAME.part`, and commit()
-/// renames it. Without commit() the part is removed.
+/// A folder that appears under its final name only when it is complete: files are written into `NAME.part` (or another folder on
+/// the same disk), and commit() renames it. Without commit() the part is removed.
 class OutputFolder {
  public:
   /// What to do when the folder exists already and is not empty.
   enum class IfExists { Refuse, Replace };
 
   /// Throws InputError when the folder exists (unless `Replace`) or cannot be created. With `Replace` the old folder stays
-  /// until commit().
-  explicit OutputFolder(std::filesystem::path path, IfExists if_exists = IfExists::Refuse);
+  /// until commit(). An empty `part_path` is `NAME.part`.
+  explicit OutputFolder(std::filesystem::path path, IfExists if_exists = IfExists::Refuse, std::filesystem::path part_path = {});
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
+
+  /// Throws InputError when the constructor would, because of what exists under that name; changes nothing. For long work, whose
+  /// user wants to know before it and not after it.
+  static void require_usable(const std::filesystem::path& path, IfExists if_exists);
+
+  /// `NAME.part` of a folder, whether or not NAME ends in a slash.
+  static std::filesystem::path part_path_of(const std::filesystem::path& path);
 
   /// Where to write the files.
   const std::filesystem::path& part_path() const { return part_path_; }

@@ -33,6 +33,17 @@ void write_inliers(const std::filesystem::path& path, const Map& map) {
   writer.commit();
 }
 
+void write_inliers(const std::filesystem::path& path, const InlierPixels& inliers) {
+  NpyWriter writer(path, NpyType::Float32, kColumns);
+  for (const auto& [frames, pairs] : inliers) {
+    for (const PixelPair& pair : pairs) {
+      writer.add_row(std::array<double, kColumns>{static_cast<double>(frames.first), static_cast<double>(frames.second),
+                                                  pair.query.x, pair.query.y, pair.match.x, pair.match.y});
+    }
+  }
+  writer.commit();
+}
+
 InlierPixels read_inliers(const std::filesystem::path& path) {
   NpyReader reader(path);
   if (reader.num_columns() != kColumns) {

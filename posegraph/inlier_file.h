@@ -24,6 +24,9 @@ using InlierPixels = std::map<std::pair<std::size_t, std::size_t>, std::vector<P
 /// y_query, x_match, y_match [px, pixel centres at integers], in the ledger's order.
 void write_inliers(const std::filesystem::path& path, const Map& map);
 
+/// The same of pixels that are at hand, in ascending order of query and match.
+void write_inliers(const std::filesystem::path& path, const InlierPixels& inliers);
+
 /// Reads it. Throws InputError naming the file when it is missing or something else.
 InlierPixels read_inliers(const std::filesystem::path& path);
 

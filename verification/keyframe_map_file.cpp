@@ -9,7 +9,7 @@
 #include "frontend/checksum.h"
 #include "frontend/error.h"
 #include "frontend/fabmap/model_hash.h"
-#include "frontend/fabmap/state_bytes.h"
+#include "frontend/state_bytes.h"
 #include "verification/keyframe_map_rows.h"
 #include "verification/sqlite.h"
 

@@ -9,62 +9,19 @@
 #include <utility>
 
 #include "frontend/error.h"
-#include "frontend/fabmap/state_bytes.h"
+#include "frontend/features/features_bytes.h"
+#include "frontend/state_bytes.h"
 
 namespace fabloop::keyframe_map_rows {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "map files are read and written as they lie in memory");
 
-/// A keypoint as it stands in the file, whatever OpenCV makes of it.
-struct StoredKeypoint {
-  float x, y, size, angle, response;
-  std::int32_t octave, class_id;
-};
-
 /// A known point of a view's feature.
 struct StoredPoint {
   std::uint64_t feature;
   double x, y, z, weight;
 };
-
-void put(StateBytes& bytes, const Pose& pose) {
-  for (const double value : pose.translation) bytes.put(value);
-  for (const double value : pose.rotation.coeffs()) bytes.put(value);
-}
-
-Pose take_pose(StateBytes& bytes) {
-  Pose pose;
-  for (double& value : pose.translation) bytes.take(value);
-  for (double& value : pose.rotation.coeffs()) bytes.take(value);
-  return pose;
-}
-
-void put(StateBytes& bytes, const Features& features) {
-  std::vector<StoredKeypoint> keypoints;
-  for (const cv::KeyPoint& k : features.keypoints) {
-    keypoints.push_back({k.pt.x, k.pt.y, k.size, k.angle, k.response, k.octave, k.class_id});
-  }
-  bytes.put(static_cast<std::int32_t>(features.descriptor_kind));
-  bytes.put(keypoints);
-  bytes.put(features.descriptors.empty() ? cv::Mat(0, 0, CV_8UC1) : features.descriptors);
-}
-
-Features take_features(StateBytes& bytes) {
-  std::int32_t kind = 0;
-  std::vector<StoredKeypoint> keypoints;
-  Features features;
-  bytes.take(kind);
-  bytes.take(keypoints);
-  bytes.take(features.descriptors);
-  if (kind < 0 || kind > static_cast<std::int32_t>(DescriptorKind::Kaze)) throw StateDamaged();
-  features.descriptor_kind = static_cast<DescriptorKind>(kind);
-  if (features.descriptors.rows != static_cast<int>(keypoints.size())) throw StateDamaged();
-  for (const StoredKeypoint& k : keypoints) {
-    features.keypoints.emplace_back(k.x, k.y, k.size, k.angle, k.response, k.octave, k.class_id);
-  }
-  return features;
-}
 
 void require_end(const StateBytes& bytes) {
   if (!bytes.at_end()) throw StateDamaged();
@@ -80,7 +37,7 @@ std::string row_of(const MapSession& session) {
   for (const double value : {camera.fx, camera.fy, camera.cx, camera.cy}) bytes.put(value);
   bytes.put(static_cast<std::int32_t>(camera.distortion_model));
   bytes.put(camera.distortion);
-  put(bytes, session.body_from_camera);
+  bytes.put(session.body_from_camera);
   return bytes.bytes();
 }
 
@@ -94,7 +51,7 @@ MapSession session_of(std::string_view row) {
   for (double* value : {&camera.fx, &camera.fy, &camera.cx, &camera.cy}) bytes.take(*value);
   bytes.take(distortion_model);
   bytes.take(camera.distortion);
-  session.body_from_camera = take_pose(bytes);
+  bytes.take(session.body_from_camera);
   require_end(bytes);
   if (distortion_model < 0 || distortion_model > static_cast<std::int32_t>(DistortionModel::Equidistant)) throw StateDamaged();
   camera.width = width;
@@ -112,7 +69,7 @@ std::string row_of(const MapKeyframe& keyframe) {
   StateBytes bytes;
   bytes.put(static_cast<std::uint64_t>(keyframe.view.frame));
   bytes.put(keyframe.time_ns);
-  put(bytes, keyframe.odom_from_body);
+  bytes.put(keyframe.odom_from_body);
   std::vector<double> covariance;
   if (keyframe.step_covariance) covariance.assign(keyframe.step_covariance->data(), keyframe.step_covariance->data() + 36);
   bytes.put(covariance);
@@ -129,7 +86,7 @@ MapKeyframe keyframe_of(std::string_view row, const Camera& camera) {
   std::vector<double> covariance;
   bytes.take(frame);
   bytes.take(keyframe.time_ns);
-  keyframe.odom_from_body = take_pose(bytes);
+  bytes.take(keyframe.odom_from_body);
   bytes.take(covariance);
   double height = 0;
   bytes.take(height);

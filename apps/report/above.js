@@ -75,7 +75,7 @@ function drawScaleBar(context, canvas) {
   context.stroke();
   context.font = '12px system-ui, sans-serif';
   context.textAlign = 'right';
-  context.fillText(`${shown(length)} m`, x, y - 6);
+  context.fillText(`${shown(length)} ${report.map.unit}`, x, y - 6);
 }
 
 function drawLoops(context) {

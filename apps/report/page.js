@@ -152,7 +152,12 @@ function setUpRecognition() {
     if (ledger.p_new) pNew[frame] = ledger.p_new[row];
     inliers[frame] = Math.max(inliers[frame] || 0, ledger.inliers[row]);
   }
-  plotByFrame('new-place', pNew, 'p(new place)', 1);
+  if (ledger.p_new) {
+    plotByFrame('new-place', pNew, 'p(new place)', 1);
+  } else {
+    for (const part of document.querySelectorAll('[data-belief]')) part.hidden = true;
+    byId('matrix-note').textContent = `Queries downwards, matches across: the pairs beyond neighbours that two views prove (${numRows}). The arrow keys walk through the table's rows.`;
+  }
   plotByFrame('inlier-plot', inliers, 'inliers');
 }
 

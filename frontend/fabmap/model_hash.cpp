@@ -8,8 +8,8 @@
 #include <string_view>
 
 #include "frontend/checksum.h"
-#include "frontend/fabmap/state_bytes.h"
 #include "frontend/features/feature_settings.h"
+#include "frontend/state_bytes.h"
 
 namespace fabloop {
 

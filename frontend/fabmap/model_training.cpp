@@ -31,12 +31,7 @@ std::string options_text(std::size_t num_images, const ModelTrainingOptions& opt
 std::string identity_of(const std::vector<Sequence>& sequences) {
   std::ostringstream text;
   for (const Sequence& sequence : sequences) {
-    for (const Frame& frame : sequence.frames) {
-      std::error_code ignored;  // reading it will tell
-      const auto time = std::filesystem::last_write_time(frame.image_path, ignored).time_since_epoch().count();
-      text << frame.image_path.filename().string() << ' ' << std::filesystem::file_size(frame.image_path, ignored) << ' ' << time
-           << '\n';
-    }
+    for (const Frame& frame : sequence.frames) text << file_identity(frame.image_path);
   }
   return text.str();
 }
@@ -44,7 +39,7 @@ std::string identity_of(const std::vector<Sequence>& sequences) {
 constexpr const char* kVocabularyFile = "vocabulary";
 constexpr const char* kKMeansFile = "k-means";
 
-std::optional<KMeansState> read_k_means(const TrainingState& state) {
+std::optional<KMeansState> read_k_means(const WorkState& state) {
   std::optional<StateBytes> bytes = state.read(kKMeansFile);
   if (!bytes) return std::nullopt;
   KMeansState k_means;
@@ -60,7 +55,7 @@ std::optional<KMeansState> read_k_means(const TrainingState& state) {
   return k_means;
 }
 
-void write_k_means(TrainingState& state, const KMeansState& k_means) {
+void write_k_means(WorkState& state, const KMeansState& k_means) {
   StateBytes bytes;
   bytes.put(k_means.num_iterations);
   bytes.put(k_means.inertia);
@@ -70,7 +65,7 @@ void write_k_means(TrainingState& state, const KMeansState& k_means) {
 }
 
 /// Tells where a former run stopped, if it had begun.
-void tell_resumption(const TrainingState& state, const Warn& warn) {
+void tell_resumption(const WorkState& state, const Warn& warn) {
   if (!warn || !state.keeps()) return;
   std::string stage;
   if (state.has(kVocabularyFile)) {
@@ -85,7 +80,7 @@ void tell_resumption(const TrainingState& state, const Warn& warn) {
   warn("resuming at " + stage + " of " + state.folder().string());
 }
 
-Vocabulary make_vocabulary(const cv::Mat& descriptors, const ModelTrainingOptions& options, TrainingState& state) {
+Vocabulary make_vocabulary(const cv::Mat& descriptors, const ModelTrainingOptions& options, WorkState& state) {
   if (options.method == VocabularyMethod::Radius) {
     RadiusClusteringOptions radius;
     radius.radius = options.radius;
@@ -105,7 +100,7 @@ Vocabulary make_vocabulary(const cv::Mat& descriptors, const ModelTrainingOption
 }
 
 /// From the state, or made now and kept there.
-Vocabulary train_vocabulary(const cv::Mat& descriptors, const ModelTrainingOptions& options, TrainingState& state) {
+Vocabulary train_vocabulary(const cv::Mat& descriptors, const ModelTrainingOptions& options, WorkState& state) {
   Vocabulary vocabulary;
   if (std::optional<StateBytes> bytes = state.read(kVocabularyFile)) {
     try {
@@ -146,7 +141,7 @@ TrainingReport report_on(Model& model, const std::vector<ImageWords>& words, con
 }
 
 TrainedModel train(std::size_t num_images, const FeatureSource& features, const ModelTrainingOptions& options,
-                   TrainingState& state) {
+                   WorkState& state) {
   TrainedModel trained;
   Model& model = trained.model;
   model.features = options.features;
@@ -187,9 +182,9 @@ std::size_t default_num_words(std::size_t num_descriptors) { return std::clamp<s
 TrainedModel train_model(std::size_t num_images, const FeatureSource& features, const ModelTrainingOptions& options) {
   if (num_images == 0) throw InputError("there are no images to train on");
   validate(options.detector, "detector");
-  TrainingState state;
+  WorkState state;
   if (!options.state_folder.empty()) {
-    state = TrainingState(options.state_folder, options_text(num_images, options), options.if_state_found, options.warn);
+    state = WorkState(options.state_folder, "training", options_text(num_images, options), options.if_state_found, options.warn);
   }
   tell_resumption(state, options.warn);
   try {

@@ -13,10 +13,10 @@
 #include "frontend/fabmap/detector_model.h"
 #include "frontend/fabmap/model.h"
 #include "frontend/fabmap/training_report.h"
-#include "frontend/fabmap/training_state.h"
 #include "frontend/features/feature_extractor.h"
 #include "frontend/progress.h"
 #include "frontend/sequence/sequence.h"
+#include "frontend/work_state.h"
 
 namespace fabloop {
 
@@ -44,9 +44,9 @@ struct ModelTrainingOptions {
   int num_threads = 0;  ///< 0: all. The model does not depend on it.
   std::string command;  ///< Kept in the model's provenance: the options that a user gave.
   /// Folder to keep work in that is done, so that the same training, killed at any moment, goes on there when it is called
-  /// again: see TrainingState. It stays until its owner removes it. Empty: nothing is kept.
+  /// again: see WorkState. It stays until its owner removes it. Empty: nothing is kept.
   std::filesystem::path state_folder;
-  TrainingState::IfFound if_state_found = TrainingState::IfFound::Resume;
+  WorkState::IfFound if_state_found = WorkState::IfFound::Resume;
   /// The state folder keeps so many bytes of descriptors; images beyond are described twice. Bounds the disk.
   std::size_t max_state_bytes = std::size_t{8} << 30;
   /// Names the images, so that the state of other images is not taken for theirs. train_model on sequences adds the names,
@@ -64,7 +64,7 @@ struct TrainedModel {
 /// The features of image i of those to train on. Called from several threads, and more than once for the same image.
 using FeatureSource = std::function<Features(std::size_t image)>;
 
-/// Everything that the descriptors of an image depend on besides the image, one thing a line: for TrainingState's inputs.
+/// Everything that the descriptors of an image depend on besides the image, one thing a line: for WorkState's inputs.
 std::string features_text(const FeatureOptions& features);
 
 /// One word for 20 descriptors, at least 1 and at most 10,000: an image of 1,500 features then shows a tenth to a fifth of them.

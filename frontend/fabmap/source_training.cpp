@@ -32,18 +32,14 @@ std::string identity_of(const std::vector<fs::path>& sources, const SourceTraini
   std::ostringstream text;
   text << "every " << options.source.every << ", a second " << options.source.max_images_per_s.value_or(0.0) << ", shape "
        << static_cast<int>(options.shape) << '\n';
-  for (const fs::path& file : files) {
-    std::error_code none;
-    text << file.filename().string() << ' ' << fs::file_size(file, none) << ' '
-         << fs::last_write_time(file, none).time_since_epoch().count() << '\n';
-  }
+  for (const fs::path& file : files) text << file_identity(file);
   return text.str();
 }
 
 /// The descriptors of all images, in a state folder or in memory.
 class DescribedImages {
  public:
-  explicit DescribedImages(TrainingState state) : state_(std::move(state)), is_on_disk_(state_.keeps()) {}
+  explicit DescribedImages(WorkState state) : state_(std::move(state)), is_on_disk_(state_.keeps()) {}
 
   std::size_t size() const { return size_; }
 
@@ -102,17 +98,17 @@ class DescribedImages {
     ++size_;
   }
 
-  TrainingState state_;
+  WorkState state_;
   bool is_on_disk_;
   std::vector<cv::Mat> in_memory_;
   std::size_t size_ = 0;
 };
 
-TrainingState state_for_images(const ModelTrainingOptions& options, const std::string& identity) {
+WorkState state_for_images(const ModelTrainingOptions& options, const std::string& identity) {
   if (options.state_folder.empty()) return {};
   fs::path folder = options.state_folder;
   folder += ".images";
-  return {folder, features_text(options.features) + identity, options.if_state_found, options.warn};
+  return {folder, "training", features_text(options.features) + identity, options.if_state_found, options.warn};
 }
 
 }  // namespace

@@ -15,11 +15,6 @@ namespace {
 /// Images looked at between two reports of progress, and lost by a kill.
 constexpr std::size_t kBlockSize = 32;
 
-std::string block_name(const char* what, std::size_t block) {
-  const std::string number = std::to_string(block);
-  return std::string(what) + "-" + std::string(number.size() < 5 ? 5 - number.size() : 0, '0') + number;
-}
-
 cv::Mat sampled_rows(const cv::Mat& descriptors, std::size_t wanted, std::uint64_t seed) {
   cv::Mat result;
   for (const std::size_t row : sample_without_replacement(static_cast<std::size_t>(descriptors.rows), wanted, seed)) {
@@ -62,23 +57,18 @@ void take(StateBytes& bytes, ImageWords& image) {
 
 /// `count` things from a state file; none where it is missing or damaged.
 template <typename T>
-std::optional<std::vector<T>> read_all(const TrainingState& state, const std::string& name, std::size_t count) {
-  std::optional<StateBytes> bytes = state.read(name);
-  if (!bytes) return std::nullopt;
-  try {
+std::optional<std::vector<T>> read_all(const WorkState& state, const std::string& name, std::size_t count) {
+  return state.read_as(name, [&](StateBytes& bytes) {
     std::vector<T> things(count);
-    for (T& thing : things) take(*bytes, thing);
-    if (bytes->at_end()) return things;
-  } catch (const StateDamaged&) {
-  }
-  state.warn_damaged(name);
-  return std::nullopt;
+    for (T& thing : things) take(bytes, thing);
+    return things;
+  });
 }
 
 }  // namespace
 
 TrainingImages::TrainingImages(std::size_t num_images, const FeatureSource& features, const ModelTrainingOptions& options,
-                               TrainingState& state)
+                               WorkState& state)
     : num_images_(num_images),
       features_(features),
       options_(options),
@@ -109,14 +99,14 @@ void TrainingImages::keep(std::size_t block, Block descriptors) {
   if (kept_bytes_ + bytes > (state_.keeps() ? options_.max_state_bytes : options_.max_kept_bytes)) return;
   kept_bytes_ += bytes;
   if (state_.keeps()) {
-    state_.write(block_name("descriptors", block), bytes_of(descriptors));
+    state_.write(numbered_name("descriptors", block), bytes_of(descriptors));
   } else {
     kept_[block] = std::move(descriptors);
   }
 }
 
 cv::Mat TrainingImages::sample_of(std::size_t block) {
-  const std::string name = block_name("sample", block);
+  const std::string name = numbered_name("sample", block);
   if (auto found = read_all<cv::Mat>(state_, name, 1)) return found->front();
   const std::size_t share = (options_.max_descriptors + num_images_ - 1) / num_images_;
   Block descriptors = describe(block);
@@ -141,14 +131,14 @@ cv::Mat TrainingImages::sample_descriptors() {
 
 TrainingImages::Block TrainingImages::descriptors_of(std::size_t block) {
   if (!kept_[block].empty()) return std::exchange(kept_[block], {});
-  if (auto found = read_all<cv::Mat>(state_, block_name("descriptors", block), end_image(block) - first_image(block))) {
+  if (auto found = read_all<cv::Mat>(state_, numbered_name("descriptors", block), end_image(block) - first_image(block))) {
     return std::move(*found);
   }
   return describe(block);
 }
 
 std::vector<ImageWords> TrainingImages::words_of(std::size_t block, const WordFinder& finder) {
-  const std::string name = block_name("words", block);
+  const std::string name = numbered_name("words", block);
   const std::size_t count = end_image(block) - first_image(block);
   if (auto found = read_all<ImageWords>(state_, name, count)) return std::move(*found);
   const Block descriptors = descriptors_of(block);
@@ -157,7 +147,7 @@ std::vector<ImageWords> TrainingImages::words_of(std::size_t block, const WordFi
     images[i] = words_of_image(finder, descriptors[i], options_.seed + first_image(block) + i);
   });
   state_.write(name, bytes_of(images));
-  state_.remove(block_name("descriptors", block));
+  state_.remove(numbered_name("descriptors", block));
   return images;
 }
 

@@ -9,9 +9,9 @@
 
 #include "frontend/fabmap/model_training.h"
 #include "frontend/fabmap/observation.h"
-#include "frontend/fabmap/training_state.h"
 #include "frontend/fabmap/vocabulary.h"
 #include "frontend/fabmap/word_finder.h"
+#include "frontend/work_state.h"
 
 namespace fabloop {
 
@@ -29,7 +29,7 @@ class TrainingImages {
  public:
   /// Keeps references to all.
   TrainingImages(std::size_t num_images, const FeatureSource& features, const ModelTrainingOptions& options,
-                 TrainingState& state);
+                 WorkState& state);
 
   /// N x D, CV_32F: the same share of every image's descriptors, as float_descriptors gives them.
   cv::Mat sample_descriptors();
@@ -52,7 +52,7 @@ class TrainingImages {
   std::size_t num_images_;
   const FeatureSource& features_;
   const ModelTrainingOptions& options_;
-  TrainingState& state_;
+  WorkState& state_;
   std::vector<Block> kept_;  ///< In memory; empty where not.
   std::size_t kept_bytes_ = 0;
 };

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <memory>
+#include <sstream>
 #include <vector>
 
 namespace fabloop {
@@ -91,6 +92,16 @@ std::optional<double> focal_px(ExifData& data, int width, int height) {
   return std::abs(*from_sensor / *from_35mm - 1) < kRoughly ? from_sensor : from_35mm;
 }
 
+/// The text of a tag of the image, without spaces and zeros at its end; empty when it is absent.
+std::string text_of(ExifData& data, ExifTag tag) {
+  const ExifEntry* entry = exif_content_get_entry(data.ifd[EXIF_IFD_0], tag);
+  if (entry == nullptr || entry->data == nullptr || entry->format != EXIF_FORMAT_ASCII) return {};
+  std::string text(reinterpret_cast<const char*>(entry->data), entry->size);
+  text = text.substr(0, text.find('\0'));
+  while (!text.empty() && text.back() == ' ') text.pop_back();
+  return text;
+}
+
 const ExifEntry* gps_entry(ExifData& data, int tag) {
   const ExifEntry* entry = exif_content_get_entry(data.ifd[EXIF_IFD_GPS], static_cast<ExifTag>(tag));
   return entry != nullptr && entry->data != nullptr ? entry : nullptr;
@@ -133,6 +144,24 @@ std::optional<Camera> camera_from_exif(const std::filesystem::path& image_path, 
   camera.cx = 0.5 * (width - 1);
   camera.cy = 0.5 * (height - 1);
   return camera;
+}
+
+std::string to_string(const CameraLabel& label) {
+  std::ostringstream text;
+  const bool names_maker = !label.model.empty() && label.model.starts_with(label.make);  // many models do
+  if (!names_maker) text << label.make << (label.make.empty() || label.model.empty() ? "" : " ");
+  text << label.model;
+  if (label.focal_mm) text << " at " << *label.focal_mm << " mm";
+  return text.str();
+}
+
+std::optional<CameraLabel> camera_label_from_exif(const std::filesystem::path& image_path) {
+  const std::unique_ptr<ExifData, FreeExif> data(exif_data_new_from_file(image_path.c_str()));
+  if (!data) return std::nullopt;
+  CameraLabel label{text_of(*data, EXIF_TAG_MAKE), text_of(*data, EXIF_TAG_MODEL),
+                    positive_number(*data, EXIF_TAG_FOCAL_LENGTH)};
+  if (label.make.empty() && label.model.empty()) return std::nullopt;
+  return label;
 }
 
 std::optional<GeoPosition> position_from_exif(const std::filesystem::path& image_path) {

@@ -9,17 +9,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <memory>
 
 #include "frontend/error.h"
-#include "posegraph/sfm/reprojection_cost.h"
+#include "posegraph/residuals/reprojection_cost.h"
 
 namespace fabloop {
 namespace {
 
-/// Below this many views the reduced system is dense anyway.
-constexpr std::size_t kMaxDenseViews = 120;
+/// Below this many views that move the reduced system is dense anyway.
+constexpr std::ptrdiff_t kMaxDenseViews = 120;
+
+using bundle::TurnedView;
+using LensCost = ceres::AutoDiffCostFunction<bundle::LensError, 2, bundle::kViewSize, 3, 3>;
+using PositionCost = ceres::AutoDiffCostFunction<bundle::PositionError, 3, bundle::kViewSize>;
 
 class Adjustment {
  public:
@@ -27,14 +32,14 @@ class Adjustment {
       : bundle_(bundle),
         options_(options),
         loss_(options.loss_px),
-        blocks_(kLensSize + kViewSize * bundle.views.size() + 3 * bundle.points_in_world.size()) {
+        blocks_(kLensSize + kViewSize * bundle.views.size() + kPointSize * bundle.points_in_world.size()) {
     const auto& k = bundle.camera.distortion;
     lens()[0] = 1.0;
     lens()[1] = k.empty() ? 0.0 : k[0];
     lens()[2] = k.size() > 1 ? k[1] : 0.0;
     for (std::size_t i = 0; i < bundle.views.size(); ++i) {
-      Eigen::Map<Eigen::Vector4d>(rotation(i)) = bundle.views[i].world_from_camera.rotation.normalized().coeffs();
-      Eigen::Map<Eigen::Vector3d>(centre(i)) = bundle.views[i].world_from_camera.translation;
+      turned_.emplace_back(bundle.views[i].world_from_camera.rotation.normalized());
+      Eigen::Map<Eigen::Vector3d>(view(i) + 3) = bundle.views[i].world_from_camera.translation;
     }
     for (std::size_t i = 0; i < bundle.points_in_world.size(); ++i) {
       Eigen::Map<Eigen::Vector3d>(point(i)) = bundle.points_in_world[i];
@@ -50,8 +55,9 @@ class Adjustment {
     AdjustedBundle result{
         refined_camera(), {}, {}, summary.initial_cost, summary.final_cost, static_cast<int>(summary.iterations.size())};
     for (std::size_t i = 0; i < bundle_.views.size(); ++i) {
+      const Eigen::Quaterniond turn = rotation_from_vector(Eigen::Map<Eigen::Vector3d>(view(i)));
       result.world_from_cameras.push_back(
-          {Eigen::Quaterniond(Eigen::Map<Eigen::Vector4d>(rotation(i))).normalized(), Eigen::Map<Eigen::Vector3d>(centre(i))});
+          {(turned_[i].start() * turn).normalized(), Eigen::Map<Eigen::Vector3d>(view(i) + 3)});
     }
     for (std::size_t i = 0; i < bundle_.points_in_world.size(); ++i) {
       result.points_in_world.emplace_back(Eigen::Map<Eigen::Vector3d>(point(i)));
@@ -60,13 +66,11 @@ class Adjustment {
   }
 
  private:
-  static constexpr std::size_t kLensSize = 3;
-  static constexpr std::size_t kViewSize = 7;
+  static constexpr std::size_t kLensSize = 3, kViewSize = bundle::kViewSize, kPointSize = 3;
 
   double* lens() { return blocks_.data(); }
-  double* rotation(std::size_t view) { return blocks_.data() + kLensSize + kViewSize * view; }
-  double* centre(std::size_t view) { return rotation(view) + 4; }
-  double* point(std::size_t i) { return blocks_.data() + kLensSize + kViewSize * bundle_.views.size() + 3 * i; }
+  double* view(std::size_t i) { return blocks_.data() + kLensSize + kViewSize * i; }
+  double* point(std::size_t i) { return view(bundle_.views.size()) + kPointSize * i; }
   bool refines() const { return options_.refine != RefineCamera::Nothing; }
 
   void add_sightings() {
@@ -75,26 +79,25 @@ class Adjustment {
     const std::vector<Eigen::Vector3d> rays = bearings(bundle_.camera, pixels);
     for (std::size_t i = 0; i < rays.size(); ++i) {
       const BundleSighting& sighting = bundle_.sightings[i];
+      TurnedView& turned = turned_[sighting.view];
       if (refines()) {
-        problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<bundle::LensError, 2, 4, 3, 3, 3>(
-                                      new bundle::LensError{bundle_.camera, sighting.pixel}),
-                                  &loss_, rotation(sighting.view), centre(sighting.view), point(sighting.point), lens());
+        lens_errors_.push_back(std::make_unique<LensCost>(new bundle::LensError{bundle_.camera, turned.start(), sighting.pixel}));
+        problem_.AddResidualBlock(lens_errors_.back().get(), &loss_, view(sighting.view), point(sighting.point), lens());
       } else {
-        problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<bundle::PinholeError, 2, 4, 3, 3>(new bundle::PinholeError{
-                                      bundle_.camera.fx, bundle_.camera.fy, rays[i].head<2>() / rays[i].z()}),
-                                  &loss_, rotation(sighting.view), centre(sighting.view), point(sighting.point));
+        pinhole_errors_.emplace_back(turned, bundle_.camera.fx, bundle_.camera.fy, rays[i].head<2>() / rays[i].z());
+        problem_.AddResidualBlock(&pinhole_errors_.back(), &loss_, view(sighting.view), point(sighting.point));
       }
     }
   }
 
   void add_positions() {
     for (std::size_t i = 0; i < bundle_.views.size(); ++i) {
-      const BundleView& view = bundle_.views[i];
-      if (!view.known_position || !problem_.HasParameterBlock(centre(i))) continue;
+      const BundleView& given = bundle_.views[i];
+      if (!given.known_position || !problem_.HasParameterBlock(view(i))) continue;
       has_positions_ = true;
-      problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<bundle::PositionError, 3, 3>(
-                                    new bundle::PositionError{*view.known_position, view.position_sigma}),
-                                &position_loss_, centre(i));
+      position_errors_.push_back(
+          std::make_unique<PositionCost>(new bundle::PositionError{*given.known_position, given.position_sigma}));
+      problem_.AddResidualBlock(position_errors_.back().get(), &position_loss_, view(i));
     }
   }
 
@@ -102,19 +105,18 @@ class Adjustment {
     const bool none_fixed = std::none_of(bundle_.views.begin(), bundle_.views.end(), [](const auto& v) { return v.is_fixed; });
     bool hold_next = none_fixed && !has_positions_;
     for (std::size_t i = 0; i < bundle_.views.size(); ++i) {
-      if (!problem_.HasParameterBlock(rotation(i))) continue;
-      problem_.SetManifold(rotation(i), &quaternion_);
-      if (!bundle_.views[i].is_fixed && !hold_next) continue;
+      if (!problem_.HasParameterBlock(view(i))) continue;
+      if (bundle_.views[i].is_fixed || hold_next) problem_.SetParameterBlockConstant(view(i));
       hold_next = false;
-      problem_.SetParameterBlockConstant(rotation(i));
-      problem_.SetParameterBlockConstant(centre(i));
     }
     if (options_.refine == RefineCamera::Focal && problem_.HasParameterBlock(lens())) problem_.SetManifold(lens(), &focal_only_);
   }
 
   ceres::Solver::Options solver_options() {
     ceres::Solver::Options result;
-    result.linear_solver_type = bundle_.views.size() > kMaxDenseViews ? ceres::SPARSE_SCHUR : ceres::DENSE_SCHUR;
+    const auto num_moving =
+        std::count_if(bundle_.views.begin(), bundle_.views.end(), [](const BundleView& v) { return !v.is_fixed; });
+    result.linear_solver_type = num_moving > kMaxDenseViews ? ceres::SPARSE_SCHUR : ceres::DENSE_SCHUR;
     result.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
     result.num_threads = 1;
     result.max_num_iterations = options_.max_iterations;
@@ -125,10 +127,7 @@ class Adjustment {
       if (problem_.HasParameterBlock(block)) ordering->AddElementToGroup(block, group);
     };
     for (std::size_t i = 0; i < bundle_.points_in_world.size(); ++i) add(point(i), 0);
-    for (std::size_t i = 0; i < bundle_.views.size(); ++i) {
-      add(rotation(i), 1);
-      add(centre(i), 1);
-    }
+    for (std::size_t i = 0; i < bundle_.views.size(); ++i) add(view(i), 1);
     add(lens(), 1);
     result.linear_solver_ordering = ordering;
     return result;
@@ -149,6 +148,7 @@ class Adjustment {
 
   static ceres::Problem::Options problem_options() {
     ceres::Problem::Options options;
+    options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     return options;
@@ -159,9 +159,12 @@ class Adjustment {
   ceres::CauchyLoss loss_;
   /// The lens, the views, the points. Ceres orders blocks by their addresses: in one array these do not change from run to run.
   std::vector<double> blocks_;
+  std::vector<TurnedView> turned_;  ///< One a view.
+  std::deque<bundle::PinholeError> pinhole_errors_;  ///< Cannot be moved.
+  std::vector<std::unique_ptr<LensCost>> lens_errors_;
+  std::vector<std::unique_ptr<PositionCost>> position_errors_;
   bool has_positions_ = false;
   ceres::CauchyLoss position_loss_{2.0};
-  ceres::EigenQuaternionManifold quaternion_;
   ceres::SubsetManifold focal_only_{3, {1, 2}};
   ceres::Problem problem_{problem_options()};
 };

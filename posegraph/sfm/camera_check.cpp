@@ -2,8 +2,11 @@
 #include "posegraph/sfm/camera_check.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+
+#include "frontend/parallel.h"
 
 namespace fabloop {
 namespace {
@@ -33,9 +36,11 @@ CameraCheck check_camera(const Scene& scene, const Segment& segment, const Camer
   CameraCheck check;
   for (int round = 0; round < kRounds; ++round) {
     const double at = check.best_focal_factor;
-    const Cost shorter = least_cost(scene, segment, at * (1.0 - options.probe), options);
-    const Cost middle = least_cost(scene, segment, at, options);
-    const Cost longer = least_cost(scene, segment, at * (1.0 + options.probe), options);
+    std::array<Cost, 3> costs;
+    parallel_for(costs.size(), options.num_threads, [&](std::size_t i) {
+      costs[i] = least_cost(scene, segment, at * (1.0 + (static_cast<double>(i) - 1.0) * options.probe), options);
+    });
+    const auto& [shorter, middle, longer] = costs;
     const double slope = (longer.cost - shorter.cost) / (2.0 * options.probe);
     const double curvature = (longer.cost - 2.0 * middle.cost + shorter.cost) / (options.probe * options.probe);
     check.relative_sigma = curvature > 0 ? std::sqrt(options.redundancy * 2.0 * middle.per_error / curvature)

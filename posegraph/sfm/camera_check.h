@@ -13,6 +13,7 @@ struct CameraCheckOptions {
   /// Neighbouring errors are alike, so that the sightings say less than their number: their information is divided by this.
   double redundancy = 100.0;
   double max_mismatch = 0.05;  ///< A focal length that differs by more from what the images say is called wrong.
+  int num_threads = 0;         ///< 0: all. The result does not depend on it.
   SegmentAdjustmentOptions adjustment{.bundle = {.max_iterations = 12}, .num_points_per_view = 150};
 };
 

@@ -11,14 +11,11 @@
 #include "frontend/error.h"
 #include "frontend/features/feature_extractor.h"
 #include "frontend/parallel.h"
+#include "posegraph/sfm/kept_work.h"
+#include "posegraph/sfm/other_cameras.h"
 
 namespace fabloop {
 namespace {
-
-struct ColourView {
-  View view;
-  std::vector<cv::Vec3b> red_green_blue;
-};
 
 ColourView describe(const Sequence& sequence, std::size_t frame, const FeatureExtractor& extractor) {
   const cv::Mat colour = read_colour_image(sequence.frames[frame].image_path, sequence.camera);
@@ -42,16 +39,25 @@ ColourViews read_colour_views(const Sequence& sequence, const ColourViewsOptions
   const std::size_t num_frames = sequence.frames.size();
   std::vector<std::optional<ColourView>> views(num_frames);
   std::vector<std::string> problems(num_frames);
-  std::mutex progress_mutex;
+  const std::vector<std::optional<std::string>> other = other_cameras(sequence);
+  std::mutex mutex;  // of progress and state
   std::size_t num_done = 0;
   parallel_for(num_frames, options.num_threads, [&](std::size_t i) {
+    if (other[i]) problems[i] = *other[i];
+    if (!other[i] && options.state != nullptr) {
+      const std::lock_guard lock(mutex);
+      views[i] = options.state->read_as(numbered_name(kKeptView, i),
+                                        [&](StateBytes& bytes) { return take_colour_view(bytes, i, sequence.camera); });
+    }
+    const bool is_new = !views[i] && !other[i];
     try {
-      views[i] = describe(sequence, i, extractor);
+      if (is_new) views[i] = describe(sequence, i, extractor);
     } catch (const InputError& error) {
       if (options.if_damaged == IfDamaged::Refuse) throw;
       problems[i] = error.what();
     }
-    const std::lock_guard lock(progress_mutex);
+    const std::lock_guard lock(mutex);
+    if (is_new && views[i] && options.state != nullptr) options.state->write(numbered_name(kKeptView, i), bytes_of(*views[i]));
     ++num_done;
     if (options.progress) options.progress("features", num_done, num_frames);
   });
@@ -61,7 +67,7 @@ ColourViews read_colour_views(const Sequence& sequence, const ColourViewsOptions
       result.views.push_back(std::move(views[i]->view));
       result.red_green_blue.push_back(std::move(views[i]->red_green_blue));
     } else {
-      if (options.warn) options.warn(problems[i] + " (skipped)");
+      if (options.warn && !other[i]) options.warn(problems[i] + " (skipped)");
       result.unread.push_back({i, std::move(problems[i])});
     }
   }

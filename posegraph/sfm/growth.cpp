@@ -6,6 +6,8 @@
 #include <optional>
 #include <utility>
 
+#include "frontend/parallel.h"
+
 namespace fabloop {
 namespace {
 
@@ -13,15 +15,18 @@ constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
 
 /// The view that sees most of the segment, those aside that failed with as many points.
 std::optional<std::size_t> next_view(const Scene& scene, const Segment& segment, const std::vector<char>& may_be_placed,
-                                     const std::vector<std::size_t>& failed_with, std::size_t min_points) {
+                                     const std::vector<std::size_t>& failed_with, const GrowthOptions& options) {
+  std::vector<Visibility> visible(scene.views.size());
+  parallel_for(scene.views.size(), options.triangulation.num_threads, [&](std::size_t view) {
+    if (may_be_placed[view] != 0 && !segment.world_from_cameras[view]) visible[view] = visibility(scene, segment, view);
+  });
   std::optional<std::size_t> best;
   std::size_t best_score = 0;
   for (std::size_t view = 0; view < scene.views.size(); ++view) {
-    if (may_be_placed[view] == 0 || segment.world_from_cameras[view]) continue;
-    const Visibility visible = visibility(scene, segment, view);
     // A view that failed is worth another try when it sees a fifth more.
-    if (visible.num_points < min_points || 5 * visible.num_points <= 6 * failed_with[view]) continue;
-    if (visible.score > best_score) best = view, best_score = visible.score;
+    const std::size_t num_points = visible[view].num_points;
+    if (num_points < options.resection.min_inliers || 5 * num_points <= 6 * failed_with[view]) continue;
+    if (visible[view].score > best_score) best = view, best_score = visible[view].score;
   }
   return best;
 }
@@ -54,19 +59,26 @@ void settle(const Scene& scene, Segment& segment, const GrowthOptions& options) 
   refresh_all_points(scene, segment, options.triangulation);
 }
 
-std::size_t grow(const Scene& scene, Segment& segment, const std::vector<char>& may_be_placed, std::size_t max_added,
-                 const GrowthOptions& options) {
+namespace {
+
+/// As grow(); calls back when the segment has settled.
+std::size_t grow_and_tell(const Scene& scene, Segment& segment, const std::vector<char>& may_be_placed, std::size_t max_added,
+                          const GrowthOptions& options, const std::function<void()>& after_settling) {
   std::vector<std::size_t> failed_with(scene.views.size(), 0);
   std::size_t num_added = 0;
   std::size_t placed = num_placed(segment);
   std::size_t placed_at_adjustment = placed;
+  const auto adjust_all = [&] {
+    settle(scene, segment, options);
+    placed_at_adjustment = placed;
+    std::fill(failed_with.begin(), failed_with.end(), 0);  // with better points they get another chance
+    if (after_settling) after_settling();
+  };
   while (num_added < max_added) {
-    const auto view = next_view(scene, segment, may_be_placed, failed_with, options.resection.min_inliers);
+    const auto view = next_view(scene, segment, may_be_placed, failed_with, options);
     if (!view) {
       if (placed == placed_at_adjustment) break;
-      settle(scene, segment, options);  // views that failed get another chance with better points
-      placed_at_adjustment = placed;
-      std::fill(failed_with.begin(), failed_with.end(), 0);
+      adjust_all();
       continue;
     }
     const auto world_from_camera = resect(scene, segment, *view, options.resection);
@@ -81,36 +93,69 @@ std::size_t grow(const Scene& scene, Segment& segment, const std::vector<char>& 
     ++num_added;
     ++placed;
     if (static_cast<double>(placed) >= (1.0 + options.growth_per_adjustment) * static_cast<double>(placed_at_adjustment)) {
-      settle(scene, segment, options);
-      placed_at_adjustment = placed;
+      adjust_all();
     }
     if (options.progress) options.progress("placing", placed, scene.views.size());
   }
   return num_added;
 }
 
-std::vector<Segment> build_segments(const Scene& scene, const std::vector<ViewPair>& pairs, const GrowthOptions& options) {
+/// A segment that begins with a pair, if its first views bear the pair out.
+std::optional<Segment> begin_segment(const Scene& scene, const ViewPair& pair, const std::vector<char>& is_left,
+                                     const GrowthOptions& options) {
   constexpr std::size_t kTrialViews = 3;
-  std::vector<Segment> segments;
+  auto segment = start_segment(scene, pair, options.start);
+  if (!segment) return std::nullopt;
+  grow(scene, *segment, is_left, kTrialViews, options);
+  if (num_placed(*segment) < options.min_views || agreement(scene, *segment) < options.min_start_agreement) return std::nullopt;
+  return segment;
+}
+
+void take_views(const Segment& segment, std::vector<char>& is_left) {
+  for (std::size_t view = 0; view < is_left.size(); ++view) {
+    if (segment.world_from_cameras[view]) is_left[view] = 0;
+  }
+}
+
+}  // namespace
+
+std::size_t grow(const Scene& scene, Segment& segment, const std::vector<char>& may_be_placed, std::size_t max_added,
+                 const GrowthOptions& options) {
+  return grow_and_tell(scene, segment, may_be_placed, max_added, options, {});
+}
+
+std::vector<Segment> build_segments(const Scene& scene, const std::vector<ViewPair>& pairs, const GrowthOptions& options,
+                                    SegmentsSoFar so_far, const AfterSettling& after_settling) {
+  std::vector<Segment>& segments = so_far.segments;
   std::vector<char> is_left(scene.views.size(), 1);
-  std::size_t num_starts = 0;
-  for (const std::size_t p : start_order(pairs, options.start)) {
-    if (is_left[pairs[p].query] == 0 || is_left[pairs[p].match] == 0) continue;
-    if (num_starts++ == options.num_starts) break;
-    auto segment = start_segment(scene, pairs[p], options.start);
+  const auto tell = [&](bool is_last_growing) {
+    so_far.is_last_growing = is_last_growing;
+    if (after_settling) after_settling(so_far);
+  };
+  const auto finish_last = [&] {
+    grow_and_tell(scene, segments.back(), is_left, kNoLimit, options, [&] { tell(true); });
+    take_views(segments.back(), is_left);
+    tell(false);
+  };
+  for (const Segment& segment : segments) {
+    if (&segment != &segments.back() || !so_far.is_last_growing) take_views(segment, is_left);
+  }
+  if (so_far.is_last_growing) finish_last();
+  const std::vector<std::size_t> order = start_order(pairs, options.start);
+  std::size_t num_vain = 0;  // since the last segment
+  while (so_far.num_starts_tried < order.size()) {
+    const ViewPair& pair = pairs[order[so_far.num_starts_tried++]];
+    if (is_left[pair.query] == 0 || is_left[pair.match] == 0) continue;
+    if (num_vain++ == options.num_starts) break;
+    auto segment = begin_segment(scene, pair, is_left, options);
     if (!segment) continue;
-    grow(scene, *segment, is_left, kTrialViews, options);
-    if (num_placed(*segment) < options.min_views || agreement(scene, *segment) < options.min_start_agreement) continue;
-    grow(scene, *segment, is_left, kNoLimit, options);
-    for (std::size_t view = 0; view < scene.views.size(); ++view) {
-      if (segment->world_from_cameras[view]) is_left[view] = 0;
-    }
     segments.push_back(std::move(*segment));
-    num_starts = 0;
+    finish_last();
+    num_vain = 0;
   }
   std::stable_sort(segments.begin(), segments.end(),
                    [](const Segment& a, const Segment& b) { return num_placed(a) > num_placed(b); });
-  return segments;
+  return std::move(so_far.segments);
 }
 
 }  // namespace fabloop

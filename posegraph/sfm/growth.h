@@ -30,6 +30,16 @@ struct GrowthOptions {
   Progress progress;
 };
 
+/// What build_segments() has done: enough to go on from there to the same result.
+struct SegmentsSoFar {
+  std::vector<Segment> segments;     ///< In the order in which they were begun.
+  std::size_t num_starts_tried = 0;  ///< Of start_order(), that of the last segment included.
+  bool is_last_growing = false;      ///< The last segment is not at its end, and has just settled.
+};
+
+/// Called with what there is so far, whenever a segment has settled or come to its end.
+using AfterSettling = std::function<void(const SegmentsSoFar&)>;
+
 /// Adds the views that `may_be_placed` (one a view) allows, the one that sees most of the segment first, until none can be added;
 /// at most so many. Returns how many were added.
 std::size_t grow(const Scene& scene, Segment& segment, const std::vector<char>& may_be_placed, std::size_t max_added,
@@ -39,7 +49,8 @@ std::size_t grow(const Scene& scene, Segment& segment, const std::vector<char>& 
 void settle(const Scene& scene, Segment& segment, const GrowthOptions& options);
 
 /// Segments that cover as many views as can be placed, the largest first: each begins with a pair of views that no other segment
-/// has, and grows as far as it goes.
-std::vector<Segment> build_segments(const Scene& scene, const std::vector<ViewPair>& pairs, const GrowthOptions& options = {});
+/// has, and grows as far as it goes. Goes on from `so_far`, if it is of the same scene and options.
+std::vector<Segment> build_segments(const Scene& scene, const std::vector<ViewPair>& pairs, const GrowthOptions& options = {},
+                                    SegmentsSoFar so_far = {}, const AfterSettling& after_settling = {});
 
 }  // namespace fabloop

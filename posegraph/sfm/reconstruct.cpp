@@ -5,7 +5,10 @@
 #include <chrono>
 
 #include "frontend/error.h"
+#include "posegraph/sfm/kept_work.h"
+#include "posegraph/sfm/reconstruction_result.h"
 #include "posegraph/sfm/segment_adjustment.h"
+#include "posegraph/trajectory_error.h"
 
 namespace fabloop {
 namespace {
@@ -13,7 +16,7 @@ namespace {
 /// Options of the parts with what holds for all of them.
 ReconstructOptions with_common(ReconstructOptions options) {
   options.candidates.seed = options.view_graph.seed = options.growth.resection.seed = options.seed;
-  options.candidates.num_threads = options.view_graph.num_threads = options.num_threads;
+  options.candidates.num_threads = options.view_graph.num_threads = options.camera_check.num_threads = options.num_threads;
   options.growth.triangulation.num_threads = options.growth.start.triangulation.num_threads = options.num_threads;
   options.candidates.progress = options.view_graph.progress = options.growth.progress = options.progress;
   options.join.growth = options.growth;
@@ -21,13 +24,15 @@ ReconstructOptions with_common(ReconstructOptions options) {
   return options;
 }
 
-ColourViews read_views(const Sequence& sequence, const std::optional<Model>& model, const ReconstructOptions& options) {
+ColourViews read_views(const Sequence& sequence, const std::optional<Model>& model, const ReconstructOptions& options,
+                       WorkState& state) {
   ColourViewsOptions view_options;
   view_options.features = model ? model->features : options.features;
   view_options.if_damaged = options.if_damaged;
   view_options.num_threads = options.num_threads;
   view_options.warn = options.warn;
   view_options.progress = options.progress;
+  view_options.state = &state;
   return read_colour_views(sequence, view_options);
 }
 
@@ -38,8 +43,12 @@ TrackSet tracks_of(const std::vector<View>& views, const std::vector<ViewPair>& 
 }
 
 /// Segments as far as they grow, join, and grow again.
-std::vector<Segment> place(const Scene& scene, const std::vector<ViewPair>& pairs, const ReconstructOptions& options) {
-  std::vector<Segment> segments = build_segments(scene, pairs, options.growth);
+std::vector<Segment> place(const Scene& scene, const std::vector<ViewPair>& pairs, const ReconstructOptions& options,
+                           WorkState& state) {
+  auto kept = state.read_as(kKeptSegments, take_segments);
+  const auto keep = [&](const SegmentsSoFar& so_far) { state.write(kKeptSegments, bytes_of(so_far)); };
+  std::vector<Segment> segments =
+      build_segments(scene, pairs, options.growth, kept ? std::move(*kept) : SegmentsSoFar{}, state.keeps() ? keep : AfterSettling{});
   segments = join_segments(scene, std::move(segments), options.join);
   if (segments.empty()) return segments;
   std::vector<char> is_left(scene.views.size(), 1);
@@ -121,72 +130,40 @@ LengthUnit take_positions(const Scene& scene, Segment& segment, Reconstructed& r
   return LengthUnit::Metres;
 }
 
-cv::Vec3b colour_of(const ColourViews& views, const Track& track, const SegmentPoint& point) {
-  cv::Vec3d sum(0, 0, 0);
-  for (const std::uint32_t i : point.seen_by) sum += cv::Vec3d(views.red_green_blue[track[i].view][track[i].feature]);
-  return cv::Vec3b(sum * (1.0 / static_cast<double>(point.seen_by.size())));
+/// What the images give without loops: the same stages over the pairs of neighbours alone, in the world of the result.
+Trajectory odometry_of(const Sequence& sequence, const std::vector<View>& views, std::vector<ViewPair> pairs,
+                       const Reconstruction& result, const ReconstructOptions& options) {
+  std::erase_if(pairs, [&](const ViewPair& pair) {
+    return views[pair.query].frame - views[pair.match].frame > options.candidates.num_neighbours;
+  });
+  const TrackSet tracks = tracks_of(views, pairs);
+  const Scene scene{views, tracks};
+  WorkState none;
+  std::vector<Segment> segments = place(scene, pairs, options, none);
+  Trajectory odometry;
+  if (segments.empty()) return odometry;
+  finish(scene, segments.front(), options);
+  for (std::size_t view = 0; view < views.size(); ++view) {
+    const auto& pose = segments.front().world_from_cameras[view];
+    if (pose) odometry.push_back({sequence.frames[views[view].frame].time_ns, *pose});
+  }
+  const auto fit = absolute_trajectory_error(odometry, trajectory_of(result), {.alignment = Alignment::Sim3});
+  if (!fit) return odometry;  // too short to be compared: it keeps a world of its own
+  const Similarity& to = fit->reference_from_estimate;
+  for (StampedPose& pose : odometry) {
+    pose.world_from_camera = {to.rotation * pose.world_from_camera.rotation,
+                              to.scale * (to.rotation * pose.world_from_camera.translation) + to.translation};
+  }
+  return odometry;
 }
 
-Reconstruction to_reconstruction(const Sequence& sequence, const ColourViews& views, const Scene& scene, const Segment& segment) {
-  Reconstruction result;
-  result.cameras = {scene.views.front().camera};
-  std::vector<std::size_t> image_of(scene.views.size(), 0);
-  for (std::size_t view = 0; view < scene.views.size(); ++view) {
-    if (!segment.world_from_cameras[view]) continue;
-    const Frame& frame = sequence.frames[scene.views[view].frame];
-    image_of[view] = result.images.size();
-    result.images.push_back({scene.views[view].frame, frame.image_path, frame.time_ns, 0, *segment.world_from_cameras[view]});
-  }
-  for (std::size_t t = 0; t < segment.points.size(); ++t) {
-    if (!segment.points[t]) continue;
-    const Track& track = scene.tracks.tracks[t];
-    ScenePoint point{segment.points[t]->x_in_world, colour_of(views, track, *segment.points[t]), {}};
-    for (const std::uint32_t i : segment.points[t]->seen_by)
-      point.track.push_back({image_of[track[i].view], pixel_of(scene, track[i])});
-    result.points.push_back(std::move(point));
-  }
-  return result;
-}
-
-std::string why_left_out(const Scene& scene, const std::vector<ViewPair>& pairs, const std::vector<Segment>& segments,
-                         std::size_t view, const GrowthOptions& options) {
-  for (std::size_t s = 1; s < segments.size(); ++s) {
-    if (segments[s].world_from_cameras[view]) return "belongs to a part that shares too little with the largest";
-  }
-  const auto num_features = scene.views[view].features.keypoints.size();
-  if (num_features < 2 * options.resection.min_inliers) {
-    return "shows only " + std::to_string(num_features) + " features: blurred, or of water or sky";
-  }
-  const auto num_pairs =
-      std::count_if(pairs.begin(), pairs.end(), [&](const ViewPair& pair) { return pair.query == view || pair.match == view; });
-  if (num_pairs == 0) return "no other image provably overlaps it";
-  const std::size_t num_seen = visibility(scene, segments.front(), view).num_points;
-  if (num_seen < options.resection.min_inliers) {
-    return "sees only " + std::to_string(num_seen) + " points of the map, where " +
-           std::to_string(options.resection.min_inliers) + " are needed";
-  }
-  return "too few of the " + std::to_string(num_seen) + " points that it should see agree on one place";
-}
-
-/// Frames without a place, parts of their own, and the pairs.
-void tell_what_is_left(const ColourViews& views, const Scene& scene, const std::vector<ViewPair>& pairs,
-                       const std::vector<Segment>& segments, const ReconstructOptions& options, Reconstructed& result) {
-  for (const UnreadFrame& frame : views.unread) result.left_out.push_back({frame.frame, frame.why});
-  for (std::size_t view = 0; view < views.views.size(); ++view) {
-    if (segments.front().world_from_cameras[view]) continue;
-    result.left_out.push_back({views.views[view].frame, why_left_out(scene, pairs, segments, view, options.growth)});
-  }
-  std::sort(result.left_out.begin(), result.left_out.end(), [](const auto& a, const auto& b) { return a.frame < b.frame; });
-  for (std::size_t s = 1; s < segments.size(); ++s) {
-    result.other_parts.emplace_back();
-    for (std::size_t view = 0; view < views.views.size(); ++view) {
-      if (segments[s].world_from_cameras[view]) result.other_parts.back().push_back(views.views[view].frame);
-    }
-  }
-  for (const ViewPair& pair : pairs) {
-    result.pairs.push_back({views.views[pair.query].frame, views.views[pair.match].frame, pair.num_matches, pair.inliers.size(),
-                            pair.median_parallax_deg});
-  }
+std::vector<CandidatePair> find_candidates(const std::vector<View>& views, const std::optional<Model>& model,
+                                           const ReconstructOptions& options, WorkState& state) {
+  if (auto kept = state.read_as(kKeptCandidates, take_candidates)) return std::move(*kept);
+  const auto positions = options.known_positions.empty() ? decltype(options.known_positions){} : positions_of(views, options);
+  const auto candidates = candidate_pairs(views, model, positions, options.candidates);
+  state.write(kKeptCandidates, bytes_of(candidates));
+  return candidates;
 }
 
 class StageClock {
@@ -204,32 +181,23 @@ class StageClock {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-}  // namespace
-
-FeatureOptions reconstruction_features() {
-  FeatureOptions features;
-  features.max_features = 2500;
-  return features;
-}
-
-Reconstructed reconstruct(const Sequence& sequence, const std::optional<Model>& model, const ReconstructOptions& given) {
-  const ReconstructOptions options = with_common(given);
+Reconstructed run_stages(const Sequence& sequence, const std::optional<Model>& model, const ReconstructOptions& options,
+                         WorkState& state) {
   Reconstructed result;
   StageClock stages(result.times);
-  ColourViews views = read_views(sequence, model, options);
+  ColourViews views = read_views(sequence, model, options, state);
   stages.end("features");
-  const auto candidates =
-      candidate_pairs(views.views, model,
-                      options.known_positions.empty() ? decltype(options.known_positions){} : positions_of(views.views, options),
-                      options.candidates);
+  const auto candidates = find_candidates(views.views, model, options, state);
   result.num_candidate_pairs = candidates.size();
   stages.end("candidates");
-  const std::vector<ViewPair> pairs = verify_pairs(views.views, candidates, options.view_graph);
+  ViewGraphOptions pair_options = options.view_graph;
+  pair_options.state = &state;
+  const std::vector<ViewPair> pairs = verify_pairs(views.views, candidates, pair_options);
   stages.end("verify");
   const TrackSet tracks = tracks_of(views.views, pairs);
   stages.end("tracks");
   const Scene scene{views.views, tracks};
-  std::vector<Segment> segments = place(scene, pairs, options);
+  std::vector<Segment> segments = place(scene, pairs, options, state);
   stages.end("placing");
   if (segments.empty()) {
     throw InputError(sequence.name + ": no three of its " + std::to_string(views.views.size()) +
@@ -248,8 +216,31 @@ Reconstructed reconstruct(const Sequence& sequence, const std::optional<Model>& 
   result.reconstruction = to_reconstruction(sequence, views, scene, segments.front());
   result.reconstruction.unit = unit;
   if (unit == LengthUnit::Metres) result.reconstruction.origin = options.origin;
-  tell_what_is_left(views, scene, pairs, segments, options, result);
+  tell_what_is_left(views, scene, pairs, segments, options.growth, result);
+  if (options.also_without_loops) {
+    result.odometry = odometry_of(sequence, views.views, pairs, result.reconstruction, options);
+    stages.end("without loops");
+  }
   return result;
+}
+
+}  // namespace
+
+FeatureOptions reconstruction_features() {
+  FeatureOptions features;
+  features.max_features = 2500;
+  return features;
+}
+
+Reconstructed reconstruct(const Sequence& sequence, const std::optional<Model>& model, const ReconstructOptions& given) {
+  const ReconstructOptions options = with_common(given);
+  WorkState state = open_state(sequence, model, options);
+  try {
+    return run_stages(sequence, model, options, state);
+  } catch (const InputError&) {
+    state.discard();  // it is of images or options that must change
+    throw;
+  }
 }
 
 }  // namespace fabloop

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,6 +12,8 @@
 #include "frontend/fabmap/model.h"
 #include "frontend/progress.h"
 #include "frontend/sequence/sequence.h"
+#include "frontend/sequence/trajectory.h"
+#include "frontend/work_state.h"
 #include "posegraph/sfm/bundle_adjustment.h"
 #include "posegraph/sfm/camera_check.h"
 #include "posegraph/sfm/candidate_pairs.h"
@@ -43,8 +46,14 @@ struct ReconstructOptions {
   PositionUse position_use = PositionUse::Witness;
   GeoreferenceOptions georeference;
   double max_error_px = 3.0;  ///< Of a sighting in the result.
+  /// Reconstruct from the pairs of neighbours alone, too: shows what the loops are worth, and takes up to half as long again.
+  bool also_without_loops = false;
   std::uint64_t seed = 1;     ///< Of training, RANSAC and sampling.
   int num_threads = 0;        ///< 0: all. The result does not depend on it.
+  /// Folder in which finished work is kept, so that the same reconstruction, killed at any moment, goes on from there to the same
+  /// result: see WorkState. It stays until its owner removes it. Empty: nothing is kept.
+  std::filesystem::path state_folder{};
+  WorkState::IfFound if_state_found = WorkState::IfFound::Resume;
   Warn warn;
   Progress progress;
 };
@@ -82,13 +91,15 @@ struct Reconstructed {
   CameraCheck camera_check;
   bool camera_was_refined = false;
   GeoreferenceResult georeference;  ///< Before positions were let into the adjustment.
+  /// The largest part that pairs of neighbours alone give, laid onto the result by a similarity; empty unless it was asked for.
+  Trajectory odometry;
   std::vector<StageTime> times;
 };
 
 /// Structure from motion over a sequence's images: features once an image, pairs that FAB-MAP proposes and geometry proves,
 /// tracks, segments that grow view by view (Schoenberger & Frahm, CVPR 2016), joined over shared points, bundle adjustment of
 /// all. The largest part is the result; what it leaves out is named with the reason. Throws InputError when no two views can be
-/// placed.
+/// placed; what was kept of that is removed, since images or options must change.
 Reconstructed reconstruct(const Sequence& sequence, const std::optional<Model>& model, const ReconstructOptions& options = {});
 
 }  // namespace fabloop

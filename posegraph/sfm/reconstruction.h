@@ -12,6 +12,7 @@
 #include "frontend/geometry/camera.h"
 #include "frontend/geometry/geo_position.h"
 #include "frontend/geometry/pose.h"
+#include "frontend/sequence/trajectory.h"
 
 namespace fabloop {
 
@@ -51,5 +52,8 @@ struct Reconstruction {
   LengthUnit unit = LengthUnit::Arbitrary;
   std::optional<GeoPosition> origin;  ///< Where the world is east-north-up about a place on Earth (then in metres).
 };
+
+/// The images' places as a trajectory.
+Trajectory trajectory_of(const Reconstruction& reconstruction);
 
 }  // namespace fabloop

@@ -2,6 +2,7 @@
 #include "posegraph/sfm/reconstruction_folder.h"
 
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "frontend/recognition/plot.h"
 #include "frontend/sequence/trajectory.h"
 #include "posegraph/g2o_io.h"
+#include "posegraph/inlier_file.h"
 #include "posegraph/ply.h"
 #include "posegraph/run_folder.h"
 #include "posegraph/sfm/colmap_io.h"
@@ -41,12 +43,6 @@ void write_picture(const std::filesystem::path& path, const Reconstructed& resul
 
 }  // namespace
 
-Trajectory trajectory_of(const Reconstruction& reconstruction) {
-  Trajectory trajectory;
-  for (const PlacedImage& image : reconstruction.images) trajectory.push_back({image.time_ns, image.world_from_camera});
-  return trajectory;
-}
-
 void write_points_ply(const std::filesystem::path& path, const Reconstruction& reconstruction) {
   std::vector<ColouredPoint> points;
   for (const ScenePoint& point : reconstruction.points) points.push_back({point.x_in_world, point.red_green_blue});
@@ -55,17 +51,23 @@ void write_points_ply(const std::filesystem::path& path, const Reconstruction& r
 
 void write_reconstruction_folder(const std::filesystem::path& path, const Sequence& sequence, const Reconstructed& result,
                                  const ReconstructOptions& options, OutputFolder::IfExists if_exists) {
-  OutputFolder folder(path, if_exists);
+  namespace fs = std::filesystem;
+  const fs::path& state = options.state_folder;  // usually PATH.part: the folder is written within it
+  OutputFolder folder(path, if_exists, fs::is_directory(state) ? state / "run" : fs::path{});
   const auto& part = folder.part_path();
   write_tum(part / "trajectory.tum", trajectory_of(result.reconstruction));
+  if (!result.odometry.empty()) write_tum(part / "trajectory_odometry.tum", result.odometry);
   write_frames_csv(part / "frames.csv", sequence);
   write_points_ply(part / "points.ply", result.reconstruction);
   write_colmap_model(part / "colmap", result.reconstruction);
   write_g2o(part / "graph.g2o", reconstruction_graph(result));
   write_loops_csv(part / "loops.csv", result);
+  write_inliers(part / "inliers.npy", shared_pixels(result));
   write_picture(part / "map.png", result);
   write_reconstruction_summary(part / "summary.json", sequence, result, options);
   folder.commit();
+  std::error_code ignored;
+  if (!state.empty()) fs::remove_all(state, ignored);
 }
 
 }  // namespace fabloop

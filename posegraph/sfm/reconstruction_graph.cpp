@@ -98,6 +98,26 @@ PoseGraph reconstruction_graph(const Reconstructed& result, const Reconstruction
   return graph;
 }
 
+InlierPixels shared_pixels(const Reconstructed& result, const ReconstructionGraphOptions& options) {
+  const auto& images = result.reconstruction.images;
+  InlierPixels pixels;
+  for (const SharedView& shared : shared_views(result, options)) {
+    const std::size_t query = images[shared.query].frame, match = images[shared.match].frame;
+    if (query - match > options.num_neighbours) pixels[{query, match}];
+  }
+  for (const ScenePoint& point : result.reconstruction.points) {
+    for (const Sighting& query : point.track) {
+      for (const Sighting& match : point.track) {
+        const auto loop = pixels.find({images[query.image].frame, images[match.image].frame});
+        if (loop == pixels.end()) continue;
+        const Eigen::Vector2f a = query.pixel.cast<float>(), b = match.pixel.cast<float>();
+        loop->second.push_back({{a.x(), a.y()}, {b.x(), b.y()}});
+      }
+    }
+  }
+  return pixels;
+}
+
 std::vector<LoopEvent> reconstruction_loops(const Reconstructed& result, const ReconstructionGraphOptions& options) {
   const Reconstruction& map = result.reconstruction;
   const auto images = image_by_frame(map);

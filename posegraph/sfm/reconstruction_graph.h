@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "posegraph/inlier_file.h"
 #include "posegraph/pose_graph.h"
 #include "posegraph/sfm/reconstruct.h"
 #include "verification/loop_event.h"
@@ -32,6 +33,9 @@ std::vector<SharedView> shared_views(const Reconstructed& result, const Reconstr
 
 /// The images as vertices (ids are frames), the steps from image to image and the loops as edges.
 PoseGraph reconstruction_graph(const Reconstructed& result, const ReconstructionGraphOptions& options = {});
+
+/// Where the images of each proven loop show the same points.
+InlierPixels shared_pixels(const Reconstructed& result, const ReconstructionGraphOptions& options = {});
 
 /// The pairs beyond the neighbours as a ledger: accepted where the result bears them out. In arbitrary units they have no scale.
 std::vector<LoopEvent> reconstruction_loops(const Reconstructed& result, const ReconstructionGraphOptions& options = {});

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "frontend/features/feature_settings.h"
 #include "frontend/output_file.h"
 #include "frontend/stage_times.h"
 #include "posegraph/sfm/reconstruction_folder.h"
@@ -62,6 +63,25 @@ Json georeference_json(const Reconstructed& result, const ReconstructOptions& op
   return json;
 }
 
+/// Limits that a pair or a view must pass, and what decides how much is tried.
+Json parameters_json(const ReconstructOptions& options) {
+  return {{"candidates",
+           {{"num_neighbours", options.candidates.num_neighbours},
+            {"num_hypotheses", options.candidates.num_hypotheses},
+            {"num_nearest", options.candidates.num_nearest}}},
+          {"pairs",
+           {{"min_inliers", options.view_graph.min_inliers},
+            {"max_error_px", options.view_graph.max_error_px},
+            {"max_log10_false_alarms", options.view_graph.max_log10_false_alarms},
+            {"min_shared_points", ReconstructionGraphOptions{}.min_shared_points}}},
+          {"views",
+           {{"min_inliers", options.growth.resection.min_inliers},
+            {"min_inlier_share", options.growth.resection.min_inlier_share},
+            {"max_error_px", options.max_error_px},
+            {"min_parallax_deg", options.growth.triangulation.min_parallax_deg}}},
+          {"features", Json::parse(feature_options_json(options.features))}};
+}
+
 Json error_json(const Sequence& sequence, const Reconstruction& map) {
   Trajectory reference;
   for (const Frame& frame : sequence.frames) {
@@ -108,6 +128,7 @@ void write_reconstruction_summary(const std::filesystem::path& path, const Seque
   summary["camera"] = camera_json(result);
   summary["georeference"] = georeference_json(result, options);
   summary["ate"] = error_json(sequence, map);
+  summary["parameters"] = parameters_json(options);
   summary["versions"] = {{"fabloop", FABLOOP_VERSION}};
   for (const StageTime& time : result.times) summary["timings"][time.stage] = Json::parse(to_json(stage_times({time.seconds})));
   OutputFile file(path);

@@ -8,6 +8,7 @@
 
 #include "frontend/features/spatially_even.h"
 #include "frontend/parallel.h"
+#include "posegraph/sfm/kept_work.h"
 #include "verification/evidence.h"
 #include "verification/match_consistency.h"
 #include "verification/pair_seed.h"
@@ -68,24 +69,55 @@ std::optional<ViewPair> verify(const std::vector<View>& views, const CandidatePa
   return pair;
 }
 
+/// Candidates that are kept together, and lost by a kill before all of them are done.
+constexpr std::size_t kBlockSize = 32;
+
+struct VerifiedBlock {
+  std::vector<std::optional<ViewPair>> pairs;
+  std::size_t num_left = 0;
+};
+
+/// The candidates in blocks, with those of a former run filled in.
+std::vector<VerifiedBlock> kept_blocks(std::size_t num_candidates, const WorkState* state) {
+  std::vector<VerifiedBlock> blocks((num_candidates + kBlockSize - 1) / kBlockSize);
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    const std::size_t size = std::min(kBlockSize, num_candidates - b * kBlockSize);
+    auto kept = state != nullptr ? state->read_as(numbered_name(kKeptPairs, b), take_pairs) : std::nullopt;
+    const bool is_kept = kept && kept->size() == size;
+    blocks[b] = is_kept ? VerifiedBlock{std::move(*kept), 0} : VerifiedBlock{{size, std::nullopt}, size};
+  }
+  return blocks;
+}
+
 }  // namespace
 
 std::vector<ViewPair> verify_pairs(const std::vector<View>& views, const std::vector<CandidatePair>& candidates,
                                    const ViewGraphOptions& options) {
-  std::vector<std::optional<ViewPair>> verified(candidates.size());
-  std::mutex progress_mutex;
-  std::size_t num_done = 0;
-  parallel_for(candidates.size(), options.num_threads, [&](std::size_t i) {
-    verified[i] = verify(views, candidates[i], options);
-    const std::lock_guard lock(progress_mutex);
+  std::vector<VerifiedBlock> blocks = kept_blocks(candidates.size(), options.state);
+  std::vector<std::size_t> left;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (blocks[i / kBlockSize].num_left > 0) left.push_back(i);
+  }
+  std::mutex mutex;  // of progress and state
+  std::size_t num_done = candidates.size() - left.size();
+  parallel_for(left.size(), options.num_threads, [&](std::size_t k) {
+    const std::size_t i = left[k];
+    VerifiedBlock& block = blocks[i / kBlockSize];
+    block.pairs[i % kBlockSize] = verify(views, candidates[i], options);
+    const std::lock_guard lock(mutex);
+    if (--block.num_left == 0 && options.state != nullptr) {
+      options.state->write(numbered_name(kKeptPairs, i / kBlockSize), bytes_of(block.pairs));
+    }
     ++num_done;
     if (options.progress) options.progress("pairs", num_done, candidates.size());
   });
-  std::vector<ViewPair> pairs;
-  for (auto& pair : verified) {
-    if (pair) pairs.push_back(std::move(*pair));
+  std::vector<ViewPair> proven;
+  for (VerifiedBlock& block : blocks) {
+    for (auto& pair : block.pairs) {
+      if (pair) proven.push_back(std::move(*pair));
+    }
   }
-  return pairs;
+  return proven;
 }
 
 }  // namespace fabloop

@@ -7,6 +7,7 @@
 
 #include "frontend/geometry/pose.h"
 #include "frontend/progress.h"
+#include "frontend/work_state.h"
 #include "posegraph/sfm/candidate_pairs.h"
 #include "verification/matching.h"
 #include "verification/view.h"
@@ -24,6 +25,8 @@ struct ViewGraphOptions {
   int max_iterations = 2000;             ///< RANSAC's bound.
   std::uint64_t seed = 1;
   int num_threads = 0;  ///< 0: all. The result does not depend on it.
+  /// Where what became of the candidates is kept, some together, and looked up instead of found again. Not owned; null: nowhere.
+  WorkState* state = nullptr;
   Progress progress;
 };
 

@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <chrono>
 #include <csignal>
 #include <fstream>
 #include <sstream>
@@ -63,9 +65,18 @@ ProgramResult run_fabloop(const std::vector<std::string>& arguments, const Progr
   close(out.ends[1]);
   close(err.ends[1]);
   ProgramResult result;
+  std::atomic<bool> is_done = false;
+  std::thread killer([&] {
+    while (!limits.kill_when_exists.empty() && !is_done) {
+      if (fs::exists(limits.kill_when_exists)) kill(child, SIGKILL);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  });
   std::thread reader([&] { result.err = err.read_to_end(); });
   result.out = out.read_to_end();
   reader.join();
+  is_done = true;
+  killer.join();
   int status = 0;
   waitpid(child, &status, 0);
   if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);

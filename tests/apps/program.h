@@ -19,7 +19,9 @@ struct ProgramResult {
 
 struct ProgramLimits {
   /// No file grows beyond it; a write that would fails (EFBIG), as it does on a full disk.
-  std::optional<std::size_t> max_file_bytes;
+  std::optional<std::size_t> max_file_bytes{};
+  /// The program is killed (SIGKILL: it cannot tidy up) as soon as this exists.
+  std::filesystem::path kill_when_exists{};
 };
 
 /// Runs `fabloop ARGUMENTS...` to its end.

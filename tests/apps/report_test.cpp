@@ -28,12 +28,6 @@ class MappedFlight {
   test::ScratchFolder scratch_;
 };
 
-nlohmann::json data_of(const std::string& page) {
-  const std::string begin = "<script id=\"data\" type=\"application/json\">";
-  const std::size_t first = page.find(begin) + begin.size();
-  return nlohmann::json::parse(page.substr(first, page.find("</script>", first) - first));
-}
-
 TEST(Report, HoldsTheRunAndNeedsNothingElse) {
   const MappedFlight flight;
   const std::string page = bytes_of(flight.run() / "report.html");

@@ -161,7 +161,7 @@ TEST_F(TrainingResume, StartsAnewOnOtherOptionsOrImagesAndSaysSo) {
 
 TEST_F(TrainingResume, DiscardsTheStateWhenAsked) {
   ASSERT_TRUE(train_and_kill("finding words", 2));
-  options_.if_state_found = TrainingState::IfFound::Discard;
+  options_.if_state_found = WorkState::IfFound::Discard;
   warnings_.clear();
   num_described_ = 0;
   EXPECT_TRUE(bytes_of_training(options_) == uninterrupted_);

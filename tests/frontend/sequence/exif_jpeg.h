@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -15,6 +16,7 @@ struct ExifFields {
   std::uint32_t focal_length_35mm = 0;
   std::uint32_t pixel_x_dimension = 0;
   std::uint32_t pixels_per_metre = 0;  ///< Focal-plane resolution, written per centimetre.
+  std::string make{}, model{};         ///< Either may be empty.
 };
 
 /// Little-endian TIFF directories, as EXIF embeds them (EXIF 2.3, section 4.5).
@@ -22,8 +24,8 @@ class TiffBytes {
  public:
   void add_short(std::uint32_t value) { add(value, 2); }
   void add_long(std::uint32_t value) { add(value, 4); }
-  void add_entry(std::uint32_t tag, std::uint32_t type, std::uint32_t value) {
-    add_short(tag), add_short(type), add_long(1), add_long(value);
+  void add_entry(std::uint32_t tag, std::uint32_t type, std::uint32_t value, std::uint32_t count = 1) {
+    add_short(tag), add_short(type), add_long(count), add_long(value);
   }
   std::vector<std::uint8_t> bytes;
 
@@ -33,14 +35,23 @@ class TiffBytes {
   }
 };
 
-/// A small JPEG (64 x 48) whose APP1 segment holds the fields.
-inline std::vector<std::uint8_t> jpeg_with_exif(const ExifFields& fields) {
-  constexpr std::uint32_t kShort = 3, kLong = 4, kRational = 5, kExifDirectory = 26, kNumEntries = 5;
+/// The image, a JPEG, with an APP1 segment that holds the fields.
+inline std::vector<std::uint8_t> with_exif(std::vector<std::uint8_t> jpeg, const ExifFields& fields) {
+  constexpr std::uint32_t kAscii = 2, kShort = 3, kLong = 4, kRational = 5, kNumTexts = 2, kNumEntries = 5, kTextSize = 32;
+  constexpr std::uint32_t kTexts = 8 + 2 + 12 * (kNumTexts + 1) + 4, kExifDirectory = kTexts + kNumTexts * kTextSize;
   constexpr std::uint32_t kValues = kExifDirectory + 2 + 12 * kNumEntries + 4;
   TiffBytes tiff;
   tiff.bytes = {'I', 'I', 42, 0};
   tiff.add_long(8);
-  tiff.add_short(1), tiff.add_entry(0x8769, kLong, kExifDirectory), tiff.add_long(0);
+  tiff.add_short(kNumTexts + 1);
+  tiff.add_entry(0x010F, kAscii, kTexts, kTextSize);
+  tiff.add_entry(0x0110, kAscii, kTexts + kTextSize, kTextSize);
+  tiff.add_entry(0x8769, kLong, kExifDirectory);
+  tiff.add_long(0);
+  for (std::string text : {fields.make, fields.model}) {
+    text.resize(kTextSize, '\0');
+    tiff.bytes.insert(tiff.bytes.end(), text.begin(), text.end());
+  }
   tiff.add_short(kNumEntries);
   tiff.add_entry(0x920A, kRational, kValues);
   tiff.add_entry(0xA002, kLong, fields.pixel_x_dimension);
@@ -56,9 +67,11 @@ inline std::vector<std::uint8_t> jpeg_with_exif(const ExifFields& fields) {
   std::vector<std::uint8_t> segment{0xFF, 0xE1, static_cast<std::uint8_t>(length >> 8), static_cast<std::uint8_t>(length)};
   segment.insert(segment.end(), head.begin(), head.end());
   segment.insert(segment.end(), tiff.bytes.begin(), tiff.bytes.end());
-  std::vector<std::uint8_t> jpeg = encoded_image(".jpg");
   jpeg.insert(jpeg.begin() + 2, segment.begin(), segment.end());
   return jpeg;
 }
+
+/// A small JPEG (64 x 48) with the fields.
+inline std::vector<std::uint8_t> jpeg_with_exif(const ExifFields& fields) { return with_exif(encoded_image(".jpg"), fields); }
 
 }  // namespace fabloop

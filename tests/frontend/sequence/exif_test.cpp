@@ -50,5 +50,20 @@ TEST(Exif, NoneWithoutUsableFields) {
   EXPECT_FALSE(camera_from_exif(folder.write("cut.jpg", cut), 64, 48).has_value());
 }
 
+TEST(Exif, NamesTheCameraAndItsFocalLength) {
+  const TemporaryFolder folder;
+  ExifFields fields{.focal_length_um = 4500, .make = "Canon", .model = "Canon PowerShot SX260 HS "};
+  const auto label = camera_label_from_exif(folder.write("a.jpg", jpeg_with_exif(fields)));
+  ASSERT_TRUE(label.has_value());
+  EXPECT_EQ(label->make, "Canon");
+  EXPECT_EQ(label->model, "Canon PowerShot SX260 HS");
+  EXPECT_EQ(label->focal_mm, 4.5);
+  EXPECT_EQ(to_string(*label), "Canon PowerShot SX260 HS at 4.5 mm");
+  EXPECT_EQ(to_string(CameraLabel{"DJI", "FC300S", {}}), "DJI FC300S");
+  EXPECT_EQ(to_string(CameraLabel{"DJI", "", {}}), "DJI");
+  EXPECT_FALSE(camera_label_from_exif(folder.write("b.jpg", jpeg_with_exif(sensor_fields()))).has_value());
+  EXPECT_FALSE(camera_label_from_exif(folder.write("c.jpg", encoded_image(".jpg"))).has_value());
+}
+
 }  // namespace
 }  // namespace fabloop

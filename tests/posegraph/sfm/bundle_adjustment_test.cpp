@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "frontend/error.h"
-#include "posegraph/sfm/reprojection_cost.h"
+#include "posegraph/residuals/reprojection_cost.h"
 #include "tests/posegraph/numeric_derivatives.h"
 #include "tests/posegraph/sfm/synthetic_scene.h"
 
@@ -130,20 +130,42 @@ TEST(LensError, IsTheDistanceFromWhereTheCameraProjects) {
     const TrackFeature& member = scene.tracks.tracks[t].front();
     const Pose& pose = scene.world_from_cameras[member.view];
     const Eigen::Vector2d pixel(100, 200);
-    const bundle::LensError error{scene.camera, pixel};
+    const Eigen::Vector3d turn(0.1, -0.05, 0.2);
+    const bundle::LensError error{scene.camera, pose.rotation * rotation_from_vector(-turn), pixel};
     const std::vector<double> lens{1.0, scene.camera.distortion[0], scene.camera.distortion[1]};
     Eigen::Vector2d residual;
     const Eigen::Vector3d& x = scene.points_in_world[t];
-    ASSERT_TRUE(error(pose.rotation.coeffs().data(), pose.translation.data(), x.data(), lens.data(), residual.data()));
+    const std::vector<double> view{turn.x(), turn.y(), turn.z(), pose.translation.x(), pose.translation.y(), pose.translation.z()};
+    ASSERT_TRUE(error(view.data(), x.data(), lens.data(), residual.data()));
     EXPECT_LT((residual - (*project(scene.camera, pose.inverse() * x) - pixel)).norm(), 1e-9);
   }
 }
 
 TEST(PinholeError, HasTheDerivativesThatDifferencesShow) {
-  const ceres::AutoDiffCostFunction<bundle::PinholeError, 2, 4, 3, 3> cost(
-      new bundle::PinholeError{500, 510, Eigen::Vector2d(0.1, -0.2)});
-  const Eigen::Quaterniond q = rotation_from_vector({0.1, -0.3, 0.2});
-  test::expect_derivatives(cost, {{q.x(), q.y(), q.z(), q.w()}, {0.3, -0.2, 0.1}, {1.0, 2.0, 8.0}});
+  bundle::TurnedView view(rotation_from_vector({0.1, -0.3, 0.2}));
+  const bundle::PinholeError cost(view, 500, 510, Eigen::Vector2d(0.1, -0.2));
+  const std::vector<double> point{1.0, 2.0, 8.0};
+  for (const double turn : {0.0, 1e-6, 1e-3, 0.5}) {
+    test::expect_derivatives(cost, {{turn, -0.3 * turn, 0.2 * turn, 0.3, -0.2, 0.1}, point});
+  }
+}
+
+TEST(PinholeError, IsTheDistanceFromWhereAPinholeProjects) {
+  const SyntheticScene scene = make_synthetic_scene({.num_points = 50, .seed = 9});
+  Camera pinhole = scene.camera;
+  pinhole.distortion.clear();
+  const Eigen::Vector3d turn(0.1, -0.05, 0.2);
+  for (std::size_t t = 0; t < scene.tracks.tracks.size(); ++t) {
+    const Pose& pose = scene.world_from_cameras[scene.tracks.tracks[t].front().view];
+    bundle::TurnedView view(pose.rotation * rotation_from_vector(-turn));
+    const Eigen::Vector2d normalised(0.1, 0.2);
+    const bundle::PinholeError error(view, pinhole.fx, pinhole.fy, normalised);
+    const std::vector<double> block{turn.x(), turn.y(), turn.z(), pose.translation.x(), pose.translation.y(), pose.translation.z()};
+    const Eigen::Vector3d& x = scene.points_in_world[t];
+    const Eigen::Vector2d pixel(pinhole.fx * normalised.x() + pinhole.cx, pinhole.fy * normalised.y() + pinhole.cy);
+    const Eigen::Vector2d expected = *project(pinhole, pose.inverse() * x) - pixel;
+    EXPECT_LT((test::evaluate(error, {block, {x.x(), x.y(), x.z()}}) - expected).norm(), 1e-9);
+  }
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
@@ -14,6 +15,7 @@
 #include "posegraph/sfm/reconstruction_graph.h"
 #include "posegraph/sfm/run_reader.h"
 #include "posegraph/trajectory_error.h"
+#include "tests/frontend/sequence/exif_jpeg.h"
 #include "tests/posegraph/scratch_folder.h"
 #include "tests/support/tiny_sequence.h"
 
@@ -72,6 +74,15 @@ TEST(Reconstruct, TakesTheUnitOfPositionsWhenAskedTo) {
   EXPECT_LT(error->translation_m.rmse, 0.5);
 }
 
+/// Writes EXIF into an image that has none.
+void label(const std::filesystem::path& image, const ExifFields& fields) {
+  std::ifstream file(image, std::ios::binary);
+  const std::vector<std::uint8_t> plain{std::istreambuf_iterator<char>(file), {}};
+  const std::vector<std::uint8_t> labelled = with_exif(plain, fields);
+  std::ofstream(image, std::ios::binary)
+      .write(reinterpret_cast<const char*>(labelled.data()), static_cast<std::streamsize>(labelled.size()));
+}
+
 TEST(Reconstruct, SaysWhyImagesAreLeftOut) {
   const test::ScratchFolder folder;
   testing_support::copy_tiny_sequence(folder.path() / "flight", 12);
@@ -80,12 +91,15 @@ TEST(Reconstruct, SaysWhyImagesAreLeftOut) {
   const cv::Mat image = cv::imread(image_of(3).string());
   cv::imwrite(image_of(5).string(), cv::Mat(image.size(), CV_8UC3, cv::Scalar(120, 90, 60)));
   cv::imwrite(image_of(8).string(), image(cv::Rect(0, 0, image.cols / 2, image.rows)));
+  // And one of the same size that another camera took, by its EXIF.
+  for (std::size_t i = 0; i < 5; ++i) label(image_of(i), {.model = i == 2 ? "Phone" : "Camera"});
   const Reconstructed result = reconstruct(read_sequence(folder.path() / "flight"), std::nullopt, tiny_options());
-  ASSERT_GE(result.left_out.size(), 2U);
+  ASSERT_GE(result.left_out.size(), 3U);
   std::map<std::size_t, std::string> why;
   for (const LeftOutFrame& frame : result.left_out) why[frame.frame] = frame.why;
   EXPECT_NE(why[5].find("features"), std::string::npos) << why[5];
   EXPECT_NE(why[8].find("pixels"), std::string::npos) << why[8];
+  EXPECT_NE(why[2].find("another camera (Phone) than most (Camera)"), std::string::npos) << why[2];
 }
 
 TEST(Reconstruct, RefusesImagesThatDoNotOverlap) {

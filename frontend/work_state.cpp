@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "frontend/fabmap/training_state.h"
+#include "frontend/work_state.h"
 
 #include <algorithm>
 #include <array>
@@ -46,29 +46,28 @@ bool is_unused(const fs::path& folder) {
 
 }  // namespace
 
-TrainingState::TrainingState(fs::path folder, const std::string& inputs, IfFound if_found, Warn warn)
-    : folder_(std::move(folder)), warn_(std::move(warn)) {
+WorkState::WorkState(fs::path folder, std::string work, const std::string& inputs, IfFound if_found, Warn warn)
+    : folder_(std::move(folder)), work_(std::move(work)), warn_(std::move(warn)) {
   try {
     open(inputs, if_found);
   } catch (const fs::filesystem_error& error) {
-    throw InputError(folder_.string() + ": cannot be used to keep the training's state (" + error.code().message() +
+    throw InputError(folder_.string() + ": cannot be used to keep the " + work_ + "'s state (" + error.code().message() +
                      "); choose another --out");
   }
 }
 
-void TrainingState::open(const std::string& inputs, IfFound if_found) {
-  // A file of this name is the unfinished model of a program that kept no state.
+void WorkState::open(const std::string& inputs, IfFound if_found) {
+  // A file of this name is the unfinished result of a program that kept no state.
   if (fs::is_regular_file(folder_)) fs::remove(folder_);
   fs::create_directories(folder_);
   const std::optional<std::string> former = text_of(folder_ / kInputsName);
   if (!former && !is_unused(folder_)) {
     throw InputError(folder_.string() +
-                     ": is needed for the training's state but holds something else; remove it, or choose "
-                     "another --out");
+                     ": is needed for the " + work_ + "'s state but holds something else; remove it, or choose another --out");
   }
   if (former == inputs && if_found == IfFound::Resume) return;
   if (former && if_found == IfFound::Resume && warn_) {
-    warn_(folder_.string() + " was left by a training on other images or with other options (" +
+    warn_(folder_.string() + " was left by a " + work_ + " on other images or with other options (" +
           first_difference(*former, inputs) + "); starting anew");
   }
   fs::remove_all(folder_);
@@ -82,29 +81,29 @@ void TrainingState::open(const std::string& inputs, IfFound if_found) {
   }
 }
 
-void TrainingState::give_up(const std::string& why) {
-  if (warn_) warn_(why + "; the training goes on, but if it is stopped it must start anew");
+void WorkState::give_up(const std::string& why) {
+  if (warn_) warn_(why + "; the " + work_ + " goes on, but if it is stopped it must start anew");
   discard();
 }
 
-void TrainingState::discard() {
+void WorkState::discard() {
   std::error_code ignored;
   if (keeps()) fs::remove_all(folder_, ignored);
   folder_.clear();
 }
 
-bool TrainingState::has(const std::string& name) const { return keeps() && fs::exists(folder_ / name); }
+bool WorkState::has(const std::string& name) const { return keeps() && fs::exists(folder_ / name); }
 
-void TrainingState::warn_damaged(const std::string& name) const {
+void WorkState::warn_damaged(const std::string& name) const {
   if (warn_) warn_((folder_ / name).string() + " is damaged; what it held is done again");
 }
 
-void TrainingState::remove(const std::string& name) {
+void WorkState::remove(const std::string& name) {
   std::error_code ignored;
   if (keeps()) fs::remove(folder_ / name, ignored);
 }
 
-std::optional<StateBytes> TrainingState::read(const std::string& name) const {
+std::optional<StateBytes> WorkState::read(const std::string& name) const {
   if (!has(name)) return std::nullopt;
   std::ifstream file(folder_ / name, std::ios::binary);
   std::array<char, kStateMagic.size()> magic{};
@@ -124,7 +123,7 @@ std::optional<StateBytes> TrainingState::read(const std::string& name) const {
   return std::nullopt;
 }
 
-void TrainingState::write(const std::string& name, const StateBytes& bytes) {
+void WorkState::write(const std::string& name, const StateBytes& bytes) {
   if (!keeps()) return;
   const std::uint64_t size = bytes.bytes().size(), sum = checksum(bytes.bytes());
   try {
@@ -137,6 +136,19 @@ void TrainingState::write(const std::string& name, const StateBytes& bytes) {
   } catch (const InputError& error) {
     give_up(error.what());
   }
+}
+
+std::string numbered_name(const std::string& what, std::size_t number) {
+  constexpr std::size_t kDigits = 5;
+  const std::string digits = std::to_string(number);
+  return what + "-" + std::string(digits.size() < kDigits ? kDigits - digits.size() : 0, '0') + digits;
+}
+
+std::string file_identity(const fs::path& path) {
+  std::error_code ignored;  // reading it will tell
+  const auto time = fs::last_write_time(path, ignored).time_since_epoch().count();
+  const auto size = fs::file_size(path, ignored);
+  return path.filename().string() + ' ' + std::to_string(size) + ' ' + std::to_string(time) + '\n';
 }
 
 }  // namespace fabloop

@@ -10,6 +10,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "frontend/geometry/pose.h"
+
 namespace fabloop {
 
 /// The content of a state file or of a keyframe map does not make sense. Caught where the file is read; never reaches the user.
@@ -18,8 +20,8 @@ class StateDamaged : public std::runtime_error {
   StateDamaged() : std::runtime_error("damaged content") {}
 };
 
-/// Numbers, vectors and matrices one after another, as they lie in memory: what the files of a training state and keyframe maps
-/// hold. They are read again in the order in which they were put. `take` throws StateDamaged where there is something else.
+/// Numbers, vectors, matrices and poses one after another, as they lie in memory: what the files of a work state and keyframe
+/// maps hold. They are read again in the order in which they were put. `take` throws StateDamaged where there is something else.
 class StateBytes {
  public:
   StateBytes() = default;
@@ -49,6 +51,11 @@ class StateBytes {
     for (int row = 0; row < matrix.rows; ++row) bytes_.append(matrix.ptr<char>(row), row_size);
   }
 
+  void put(const Pose& a_from_b) {
+    for (const double value : a_from_b.translation) put(value);
+    for (const double value : a_from_b.rotation.coeffs()) put(value);
+  }
+
   template <typename T>
   void take(T& number) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -75,6 +82,11 @@ class StateBytes {
     if (size > bytes_.size() - position_) throw StateDamaged();
     matrix.create(rows, cols, type);
     if (size > 0) std::memcpy(matrix.data, next(size), size);
+  }
+
+  void take(Pose& a_from_b) {
+    for (double& value : a_from_b.translation) take(value);
+    for (double& value : a_from_b.rotation.coeffs()) take(value);
   }
 
  private:
