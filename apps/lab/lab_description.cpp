@@ -15,7 +15,7 @@
 namespace fabloop {
 namespace {
 
-constexpr double kMuch = 1e6;
+constexpr double kMaxMetres = 1e6;
 
 constexpr std::array<Stage, 5> kStages = {Stage::Appearance, Stage::Matching, Stage::Geometry, Stage::Consistency,
                                           Stage::BackEnd};
@@ -74,7 +74,7 @@ class Reader {
                    {"texture_m_per_px", number(data.texture_m_per_px, "texture_m_per_px", 0.005, 1.0)},
                    {"height_m_per_px", number(data.height_m_per_px, "height_m_per_px", 0.005, 1.0)},
                    {"camera_scale", number(data.camera_scale, "camera_scale", 0.1, 4.0)},
-                   {"tile_m", number(data.tile_m, "tile_m", 4.0, kMuch)}});
+                   {"tile_m", number(data.tile_m, "tile_m", 4.0, kMaxMetres)}});
   }
 
   void read_sequences(const YAML::Node& node) {
@@ -82,7 +82,7 @@ class Reader {
       SequenceData sequence;
       read_yaml_map(file_, entry, "a sequence",
                     {{"folder", [&](const YAML::Node& n) { sequence.folder = yaml_text(file_, n, "folder"); }},
-                     {"height_m", number(sequence.height_above_ground_m, "height_m", 0.01, kMuch)}});
+                     {"height_m", number(sequence.height_above_ground_m, "height_m", 0.01, kMaxMetres)}});
       if (sequence.folder.empty()) file_.fail(entry.Mark(), "a sequence needs its folder");
       result_.sequences.push_back(sequence);
     }

@@ -15,7 +15,7 @@
 namespace fabloop {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
@@ -90,7 +90,7 @@ double LoopConsistency::chi2(std::size_t a, std::size_t b) const {
   const double rotation_variance = first.rotation_variance + second.rotation_variance + starts.bottomRightCorner<3, 3>().trace() +
                                    ends.bottomRightCorner<3, 3>().trace();
   const double angle = rotation_angle(error.rotation);
-  if (angle * angle > std::max(threshold_, threshold_of_rotation_) * rotation_variance) return kInfinity;
+  if (angle * angle > std::max(threshold_, threshold_of_rotation_) * rotation_variance) return kUnlimited;
   const Matrix6d by_loop = adjoint(first.to_from_root_by_loop);
   const Matrix6d by_odometry = adjoint(root_from_k.inverse());
   const Matrix6d covariance = first.covariance + by_loop * starts * by_loop.transpose() +

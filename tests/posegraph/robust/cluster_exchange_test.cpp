@@ -11,7 +11,7 @@
 namespace fabloop {
 namespace {
 
-const std::vector<EdgeKind> kLoops = {EdgeKind::Loop};
+const std::vector<EdgeKind> kExchangedLoops = {EdgeKind::Loop};
 constexpr double kProbability = 0.999;
 
 /// Two laps whose odometry drifts by many times what a loop may err.
@@ -52,10 +52,10 @@ TruncatedProblem problem_of(const PoseGraph& graph, double weight_of_loops) {
 }
 
 ClusterExchange exchange(PoseGraph& graph, const TruncatedProblem& problem, std::size_t max_rounds = 10) {
-  const LoopConsistency loops(graph, kLoops, kProbability);
+  const LoopConsistency loops(graph, kExchangedLoops, kProbability);
   ClusterExchangeOptions options;
   options.max_rounds = max_rounds;
-  return exchange_clusters(graph, problem, loops, kLoops, {}, options);
+  return exchange_clusters(graph, problem, loops, kExchangedLoops, {}, options);
 }
 
 double num_loops(const PoseGraph& graph, const std::vector<double>& weights) {
