@@ -14,7 +14,7 @@ namespace fabloop {
 namespace {
 
 /// Sums of a few hundred numbers of size one.
-constexpr double kRounding = 1e-12;
+constexpr double kShareRounding = 1e-12;
 
 std::vector<Decision> random_decisions(std::size_t count, double bias, std::uint64_t seed) {
   std::mt19937_64 random(seed);
@@ -52,12 +52,12 @@ TEST(Calibration, EqualsTheDefinitionOnRandomDecisions) {
     const auto decisions = random_decisions(20 * seed, 1.0 + 0.05 * static_cast<double>(seed), seed);
     const std::size_t num_bins = 1 + seed % 17;
     const Calibration found = calibration(decisions, num_bins);
-    EXPECT_NEAR(found.expected_calibration_error, reference_error(decisions, num_bins), kRounding);
+    EXPECT_NEAR(found.expected_calibration_error, reference_error(decisions, num_bins), kShareRounding);
     double brier = 0.0;
     std::size_t count = 0;
     for (const Decision& decision : decisions) brier += std::pow(decision.score - (decision.is_true ? 1.0 : 0.0), 2);
     for (const ReliabilityBin& bin : found.bins) count += bin.count;
-    EXPECT_NEAR(found.brier_score, brier / static_cast<double>(decisions.size()), kRounding);
+    EXPECT_NEAR(found.brier_score, brier / static_cast<double>(decisions.size()), kShareRounding);
     EXPECT_EQ(count, decisions.size());
   }
 }
