@@ -83,11 +83,13 @@ ordered_json judge_trajectory(const EvaluateArguments& arguments, const fs::path
   return result;
 }
 
-/// The final error as a share of the odometry's; null without both.
+/// The final error as a share of the odometry's; null without both, and where they are of different frames: the error of a short
+/// stretch, aligned by itself, says nothing of the whole.
 ordered_json error_left(const ordered_json& trajectories) {
   for (const char* name : {"trajectory.tum", "trajectory_odometry.tum"}) {
     if (!trajectories.contains(name) || trajectories[name]["ate_m"].is_null()) return nullptr;
   }
+  if (trajectories["trajectory.tum"]["poses"] != trajectories["trajectory_odometry.tum"]["poses"]) return nullptr;
   const double before = trajectories["trajectory_odometry.tum"]["ate_m"]["rmse"].get<double>();
   if (!(before > 0.0)) return nullptr;
   return trajectories["trajectory.tum"]["ate_m"]["rmse"].get<double>() / before;

@@ -209,7 +209,9 @@ ordered_json report_data(const ReportInput& input) {
   const RunKind kind = read_run_kind(run);
   data["map"] = map_data(run, truth.reference, times_ns, alignment_of(kind));
   data["ledger"] = ledger_data(ledger);
-  if (kind.is_from_images) data["ledger"].erase("p_new");  // pairs are proposed without a belief
+  if (kind.is_from_images) {
+    for (const char* belief : {"p_new", "probability", "p_true"}) data["ledger"].erase(belief);  // pairs are proposed without one
+  }
   data["gates"] = kind.is_from_images ? pair_gates(data["summary"]) : gates(data["summary"]);
   data["verdicts"] = verdicts();
   data["truth"] = input.truth.truth.empty() ? ordered_json(nullptr) : truth_data(input, kind, truth, ledger);

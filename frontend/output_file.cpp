@@ -52,10 +52,11 @@ void OutputFile::commit() {
   committed_ = true;
 }
 
-void OutputFolder::require_usable(const fs::path& path, IfExists if_exists) {
+void OutputFolder::require_usable(const fs::path& given, IfExists if_exists) {
+  const fs::path path = without_trailing_slash(given);
   std::error_code error;
   if (!fs::exists(path, error)) return;
-  const std::string name = without_trailing_slash(path).string();
+  const std::string name = path.string();
   if (!fs::is_directory(path, error)) throw InputError(name + ": is a file, not a folder; choose another --out");
   if (if_exists == IfExists::Refuse && !fs::is_empty(path, error)) {
     throw InputError(name + ": exists already; choose another --out, or give --overwrite to replace it");

@@ -7,6 +7,7 @@
 #include <iterator>
 #include <sstream>
 #include <utility>
+#include <vector>
 
 #include "frontend/checksum.h"
 #include "frontend/error.h"
@@ -44,6 +45,14 @@ bool is_unused(const fs::path& folder) {
   });
 }
 
+/// The inputs go last: killed on the way, what is left is still known as a state.
+void remove_state(const fs::path& folder, std::error_code& error) {
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    if (entry->path().filename() != kInputsName) fs::remove_all(entry->path(), error);
+  }
+  if (!error) fs::remove_all(folder, error);
+}
+
 }  // namespace
 
 WorkState::WorkState(fs::path folder, std::string work, const std::string& inputs, IfFound if_found, Warn warn)
@@ -61,16 +70,18 @@ void WorkState::open(const std::string& inputs, IfFound if_found) {
   if (fs::is_regular_file(folder_)) fs::remove(folder_);
   fs::create_directories(folder_);
   const std::optional<std::string> former = text_of(folder_ / kInputsName);
-  if (!former && !is_unused(folder_)) {
-    throw InputError(folder_.string() +
-                     ": is needed for the " + work_ + "'s state but holds something else; remove it, or choose another --out");
+  if (!former && !is_unused(folder_) && if_found == IfFound::Resume) {
+    throw InputError(folder_.string() + ": is needed for the " + work_ +
+                     "'s state but holds something else; give --fresh to replace it, or choose another --out");
   }
   if (former == inputs && if_found == IfFound::Resume) return;
   if (former && if_found == IfFound::Resume && warn_) {
     warn_(folder_.string() + " was left by a " + work_ + " on other images or with other options (" +
           first_difference(*former, inputs) + "); starting anew");
   }
-  fs::remove_all(folder_);
+  std::error_code error;
+  remove_state(folder_, error);
+  if (error) throw fs::filesystem_error("", error);
   fs::create_directories(folder_);
   try {
     OutputFile file(folder_ / kInputsName);
@@ -88,7 +99,7 @@ void WorkState::give_up(const std::string& why) {
 
 void WorkState::discard() {
   std::error_code ignored;
-  if (keeps()) fs::remove_all(folder_, ignored);
+  if (keeps()) remove_state(folder_, ignored);
   folder_.clear();
 }
 
@@ -101,6 +112,17 @@ void WorkState::warn_damaged(const std::string& name) const {
 void WorkState::remove(const std::string& name) {
   std::error_code ignored;
   if (keeps()) fs::remove(folder_ / name, ignored);
+}
+
+void WorkState::remove_all_but(const std::string& what) {
+  if (!keeps()) return;
+  std::vector<fs::path> others;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
+    const std::string name = entry.path().filename().string();
+    if (name != kInputsName && !name.starts_with(what + "-")) others.push_back(entry.path());
+  }
+  std::error_code ignored;
+  for (const fs::path& path : others) fs::remove(path, ignored);
 }
 
 std::optional<StateBytes> WorkState::read(const std::string& name) const {

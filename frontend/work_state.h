@@ -57,6 +57,9 @@ class WorkState {
   /// Frees the disk of what is not needed any more.
   void remove(const std::string& name);
 
+  /// Removes all files but those numbered under `what`.
+  void remove_all_but(const std::string& what);
+
   /// Removes the folder; nothing is kept from now on.
   void discard();
 

@@ -103,7 +103,7 @@ function drawMatrix() {
   if (size === 0) return;
   canvas.width = canvas.height = Math.round(size * ratio);
   const context = canvas.getContext('2d'), cell = canvas.width / numFrames, dot = Math.max(cell, 1.6 * ratio);
-  const byCategory = byId('matrix-colour').value === 'category';
+  const byCategory = !ledger.probability || byId('matrix-colour').value === 'category';
   context.strokeStyle = colour('line');
   context.beginPath();
   context.moveTo(0, 0);
@@ -143,6 +143,9 @@ function setUpRecognition() {
     step(distance);
   });
   byId('matrix-colour').addEventListener('change', drawMatrix);
+  if (!ledger.probability) {  // of a run whose pairs are proposed without a belief
+    for (const id of ['matrix-colour', 'filter-probability']) byId(id).closest('label').hidden = true;
+  }
   byId('matrix-note').textContent = `Queries downwards, places across: the most probable places of each query (${numRows} pairs). The stronger, the more probable; the arrow keys walk through the table's rows.`;
   choice.listeners.push(drawMatrix);
   new ResizeObserver(drawMatrix).observe(canvas);

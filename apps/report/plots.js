@@ -63,6 +63,8 @@ function plotPrecisionRecall(stages) {
 }
 
 function plotReliability(stages) {
+  byId('reliability').closest('figure').hidden = !ledger.probability;
+  if (!ledger.probability) return;
   const plot = axes({low: 0, high: 1, label: 'claimed probability'}, {low: 0, high: 1, label: 'share that is true'}, 360, 'Claimed probability against the share that is true');
   polyline(plot, [[0, 0], [1, 1]], 'quiet', {'stroke-dasharray': '5 5'});
   const entries = [];

@@ -6,7 +6,7 @@ const tableColumns = [
   {key: 'match', name: 'match', value: (row) => ledger.match[row]},
   {key: 'verdict', name: 'verdict', text: true, value: (row) => ledger.verdict[row]},
   {key: 'rank', name: 'rank', value: (row) => ledger.rank ? ledger.rank[row] : null},
-  {key: 'probability', name: 'appearance', value: (row) => ledger.probability[row]},
+  {key: 'probability', name: 'appearance', value: (row) => ledger.probability ? ledger.probability[row] : null},
   {key: 'p_true', name: 'p true', value: (row) => ledger.p_true ? ledger.p_true[row] : null},
   {key: 'matches', name: 'matches', value: (row) => ledger.matches[row]},
   {key: 'inliers', name: 'inliers', value: (row) => ledger.inliers[row]},
@@ -20,7 +20,7 @@ function passesFilters(row) {
   const category = byId('filter-category').value, verdict = byId('filter-verdict').value;
   if (category !== '' && categoryOfRow[row] !== Number(category)) return false;
   if (verdict !== '' && ledger.verdict[row] !== verdict) return false;
-  if (ledger.probability[row] < Number(byId('filter-probability').value)) return false;
+  if (ledger.probability && ledger.probability[row] < Number(byId('filter-probability').value)) return false;
   if (text === '') return true;
   const frames = [ledger.query[row], ledger.match[row]];
   if (/^\d+$/.test(text)) return frames.includes(Number(text));

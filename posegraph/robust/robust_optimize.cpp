@@ -154,12 +154,13 @@ Solution solve_graduated(PoseGraph& graph, const Roles& roles, const RobustOptio
   for (std::size_t e = 0; e < graph.edges.size(); ++e) {
     if (roles.is_doubted[e] && !options.warm_weights.empty()) problem.weights[e] = options.warm_weights[e];
   }
+  if (options.back_end != BackEnd::GncTruncated) {
+    GraduatedResult result = graduate(graph, problem, options.optimize);
+    return {std::move(result.last_solve), std::move(result.weights), result.num_solves};
+  }
   PoseGraph judged = with_noise(graph, factors_of_objective(options.optimize.objective, graph.dimension));
   GraduatedResult result = graduate(judged, problem, options.optimize);
   graph.vertices = std::move(judged.vertices);
-  if (options.back_end != BackEnd::GncTruncated) {
-    return {std::move(result.last_solve), std::move(result.weights), result.num_solves};
-  }
   RefinedChoice refined = refine_choice(graph, std::move(result.weights), roles.is_doubted, options);
   const EdgeWeights edges{refined.weights, std::vector<bool>(graph.edges.size(), false)};
   Solution solution{solve_weighted(graph, edges, options.optimize), std::move(refined.weights)};

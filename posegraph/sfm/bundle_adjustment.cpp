@@ -56,8 +56,7 @@ class Adjustment {
         refined_camera(), {}, {}, summary.initial_cost, summary.final_cost, static_cast<int>(summary.iterations.size())};
     for (std::size_t i = 0; i < bundle_.views.size(); ++i) {
       const Eigen::Quaterniond turn = rotation_from_vector(Eigen::Map<Eigen::Vector3d>(view(i)));
-      result.world_from_cameras.push_back(
-          {(turned_[i].start() * turn).normalized(), Eigen::Map<Eigen::Vector3d>(view(i) + 3)});
+      result.world_from_cameras.push_back({(turned_[i].start() * turn).normalized(), Eigen::Map<Eigen::Vector3d>(view(i) + 3)});
     }
     for (std::size_t i = 0; i < bundle_.points_in_world.size(); ++i) {
       result.points_in_world.emplace_back(Eigen::Map<Eigen::Vector3d>(point(i)));
@@ -159,7 +158,7 @@ class Adjustment {
   ceres::CauchyLoss loss_;
   /// The lens, the views, the points. Ceres orders blocks by their addresses: in one array these do not change from run to run.
   std::vector<double> blocks_;
-  std::vector<TurnedView> turned_;  ///< One a view.
+  std::vector<TurnedView> turned_;                   ///< One a view.
   std::deque<bundle::PinholeError> pinhole_errors_;  ///< Cannot be moved.
   std::vector<std::unique_ptr<LensCost>> lens_errors_;
   std::vector<std::unique_ptr<PositionCost>> position_errors_;
@@ -171,10 +170,13 @@ class Adjustment {
 
 }  // namespace
 
+void require_refinable(const Camera& camera) {
+  if (camera.distortion_model == DistortionModel::Radtan) return;
+  throw InputError("only cameras of the plumb-bob model can be refined; keep this calibration as it is");
+}
+
 AdjustedBundle adjust_bundle(const Bundle& bundle, const BundleOptions& options) {
-  if (options.refine != RefineCamera::Nothing && bundle.camera.distortion_model != DistortionModel::Radtan) {
-    throw InputError("only cameras of the plumb-bob model can be refined; keep this calibration as it is");
-  }
+  if (options.refine != RefineCamera::Nothing) require_refinable(bundle.camera);
   return Adjustment(bundle, options).run();
 }
 

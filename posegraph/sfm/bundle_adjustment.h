@@ -42,6 +42,9 @@ enum class RefineCamera {
   FocalRadial,  ///< And k1, k2 of the Radtan model. A flight at one height over flat ground hardly shows them.
 };
 
+/// Throws InputError for a camera that RefineCamera knows nothing of: all but the Radtan model.
+void require_refinable(const Camera& camera);
+
 struct BundleOptions {
   RefineCamera refine = RefineCamera::Nothing;
   /// Residuals beyond this lose their say (Cauchy). Raise it for rough features.

@@ -117,9 +117,7 @@ void tell_resumption(const WorkState& state, std::size_t num_frames, const Warn&
   std::size_t num_described = 0;
   for (std::size_t frame = 0; frame < num_frames; ++frame) num_described += state.has(numbered_name(kKeptView, frame));
   if (num_described == 0) return;
-  const char* stage = state.has(kKeptSegments)     ? "placing"
-                      : state.has(kKeptCandidates) ? "pairs"
-                                                   : "features";
+  const char* stage = state.has(kKeptSegments) ? "placing" : state.has(kKeptCandidates) ? "pairs" : "features";
   warn("resuming at " + std::string(stage) + " of " + state.folder().string() + ": " + std::to_string(num_described) + " of " +
        std::to_string(num_frames) + " images need not be read again");
 }
@@ -143,6 +141,21 @@ ColourView take_colour_view(StateBytes& bytes, std::size_t frame, const Camera& 
   if (colours.size() != view.view.features.keypoints.size()) throw StateDamaged();
   for (const auto& colour : colours) view.red_green_blue.emplace_back(colour[0], colour[1], colour[2]);
   return view;
+}
+
+void keep_frames(const std::vector<View>& views, WorkState& state) {
+  std::vector<std::uint64_t> frames;
+  for (const View& view : views) frames.push_back(view.frame);
+  const auto take_frames = [](StateBytes& bytes) {
+    std::vector<std::uint64_t> kept;
+    bytes.take(kept);
+    return kept;
+  };
+  if (state.read_as(kKeptFrames, take_frames) == frames) return;
+  state.remove_all_but(kKeptView);
+  StateBytes bytes;
+  bytes.put(frames);
+  state.write(kKeptFrames, bytes);
 }
 
 StateBytes bytes_of(const std::vector<CandidatePair>& candidates) {

@@ -18,12 +18,17 @@ namespace fabloop {
 
 /// Names of files in the state; those of views and pairs are numbered.
 inline constexpr const char* kKeptView = "view";
+inline constexpr const char* kKeptFrames = "frames";
 inline constexpr const char* kKeptCandidates = "candidates";
 inline constexpr const char* kKeptPairs = "pairs";
 inline constexpr const char* kKeptSegments = "segments";
 
 StateBytes bytes_of(const ColourView& view);
 ColourView take_colour_view(StateBytes& bytes, std::size_t frame, const Camera& camera);
+
+/// Notes which frames the views are of. Later stages count views: where a former run saw others (a file could not be read then,
+/// or cannot be now), what it kept of them is removed.
+void keep_frames(const std::vector<View>& views, WorkState& state);
 
 StateBytes bytes_of(const std::vector<CandidatePair>& candidates);
 std::vector<CandidatePair> take_candidates(StateBytes& bytes);

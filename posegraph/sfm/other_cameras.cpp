@@ -19,19 +19,26 @@ struct CameraGroup {
   std::vector<std::size_t> images;
 };
 
+bool is_smaller(const CameraGroup& a, const CameraGroup& b) { return a.images.size() < b.images.size(); }
+
 }  // namespace
 
 std::vector<std::optional<std::string>> other_cameras(const std::vector<std::optional<CameraLabel>>& labels) {
   std::vector<std::optional<std::string>> why(labels.size());
   std::vector<CameraGroup> groups;
-  for (std::size_t i = 0; i < labels.size(); ++i) {
-    if (!labels[i]) continue;
-    auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return is_same_camera(g.label, *labels[i]); });
-    if (group == groups.end()) group = groups.insert(groups.end(), {*labels[i], {}});
-    group->images.push_back(i);
+  // Those that do not tell their focal length come last, to the largest group of their make and model.
+  for (const bool tells_focal : {true, false}) {
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      if (!labels[i] || labels[i]->focal_mm.has_value() != tells_focal) continue;
+      auto chosen = groups.end();
+      for (auto group = groups.begin(); group != groups.end(); ++group) {
+        if (is_same_camera(group->label, *labels[i]) && (chosen == groups.end() || is_smaller(*chosen, *group))) chosen = group;
+      }
+      if (chosen == groups.end()) chosen = groups.insert(groups.end(), {*labels[i], {}});
+      chosen->images.push_back(i);
+    }
   }
-  const auto most = std::max_element(groups.begin(), groups.end(),
-                                     [](const auto& a, const auto& b) { return a.images.size() < b.images.size(); });
+  const auto most = std::max_element(groups.begin(), groups.end(), is_smaller);
   for (auto group = groups.begin(); group != groups.end(); ++group) {
     if (group == most) continue;
     for (const std::size_t i : group->images) {

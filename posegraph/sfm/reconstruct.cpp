@@ -47,8 +47,8 @@ std::vector<Segment> place(const Scene& scene, const std::vector<ViewPair>& pair
                            WorkState& state) {
   auto kept = state.read_as(kKeptSegments, take_segments);
   const auto keep = [&](const SegmentsSoFar& so_far) { state.write(kKeptSegments, bytes_of(so_far)); };
-  std::vector<Segment> segments =
-      build_segments(scene, pairs, options.growth, kept ? std::move(*kept) : SegmentsSoFar{}, state.keeps() ? keep : AfterSettling{});
+  std::vector<Segment> segments = build_segments(scene, pairs, options.growth, kept ? std::move(*kept) : SegmentsSoFar{},
+                                                 state.keeps() ? keep : AfterSettling{});
   segments = join_segments(scene, std::move(segments), options.join);
   if (segments.empty()) return segments;
   std::vector<char> is_left(scene.views.size(), 1);
@@ -186,6 +186,7 @@ Reconstructed run_stages(const Sequence& sequence, const std::optional<Model>& m
   Reconstructed result;
   StageClock stages(result.times);
   ColourViews views = read_views(sequence, model, options, state);
+  keep_frames(views.views, state);
   stages.end("features");
   const auto candidates = find_candidates(views.views, model, options, state);
   result.num_candidate_pairs = candidates.size();
@@ -234,6 +235,7 @@ FeatureOptions reconstruction_features() {
 
 Reconstructed reconstruct(const Sequence& sequence, const std::optional<Model>& model, const ReconstructOptions& given) {
   const ReconstructOptions options = with_common(given);
+  if (options.refine != RefineCamera::Nothing) require_refinable(sequence.camera);
   WorkState state = open_state(sequence, model, options);
   try {
     return run_stages(sequence, model, options, state);

@@ -31,6 +31,15 @@ TEST(OtherCameras, CountsAnotherZoomAsAnotherCameraButNoRounding) {
   EXPECT_THAT(why[3].value_or(""), HasSubstr("5.4 mm"));
 }
 
+TEST(OtherCameras, DoesNotDependOnWhereTheSilentOnesStand) {
+  CameraLabel zoomed = kCanon, silent = kCanon;
+  zoomed.focal_mm = 9.0;
+  silent.focal_mm.reset();
+  const auto why = other_cameras(Labels{silent, kCanon, kCanon, zoomed});
+  for (const std::size_t i : {0U, 1U, 2U}) EXPECT_FALSE(why[i].has_value()) << i;
+  EXPECT_THAT(why[3].value_or(""), HasSubstr("9 mm"));
+}
+
 TEST(OtherCameras, KnowsNoneWhereNothingIsTold) {
   for (const auto& why : other_cameras(Labels{std::nullopt, std::nullopt})) EXPECT_FALSE(why.has_value());
   EXPECT_TRUE(other_cameras(Labels{}).empty());

@@ -133,6 +133,36 @@ TEST_F(ReconstructResume, DoesDamagedWorkAgain) {
   EXPECT_THAT(warnings_, Contains(HasSubstr("candidates is damaged")));
 }
 
+TEST_F(ReconstructResume, KeepsNoPairsOfOtherViews) {
+  testing_support::copy_tiny_sequence(folder_.path() / "flight", kNumFrames);
+  sequence_ = read_sequence(folder_.path() / "flight");
+  const Reconstructed uninterrupted = run(without_state());
+  const fs::path image = sequence_.frames[2].image_path;
+  const std::string bytes = bytes_of_file(image);
+  const auto time = fs::last_write_time(image);
+  const auto write = [&](const std::string& content) {
+    std::ofstream(image, std::ios::binary) << content;
+    fs::last_write_time(image, time);
+  };
+  options_.if_damaged = IfDamaged::Skip;
+  write(std::string(bytes.size(), '\0'));  // a disk that cannot be read for a while
+  ASSERT_TRUE(run_and_kill("placing", 1));
+  EXPECT_TRUE(fs::exists(options_.state_folder / "pairs-00000"));
+  write(bytes);
+  const Reconstructed resumed = run(options_);
+  EXPECT_TRUE(bytes_of_model(resumed, "resumed") == bytes_of_model(uninterrupted, "uninterrupted"));
+}
+
+TEST_F(ReconstructResume, ForgetsWhatIsNoStateOnlyWhenToldTo) {
+  fs::create_directories(options_.state_folder);
+  std::ofstream(options_.state_folder / "trajectory.tum") << "left by another run\n";
+  EXPECT_THROW(reconstruct(sequence_, std::nullopt, options_), InputError);
+  EXPECT_TRUE(fs::exists(options_.state_folder / "trajectory.tum"));
+  options_.if_state_found = WorkState::IfFound::Discard;
+  ASSERT_TRUE(run_and_kill("features", 1));
+  EXPECT_FALSE(fs::exists(options_.state_folder / "trajectory.tum"));
+}
+
 TEST_F(ReconstructResume, LeavesNoStateOfBadInput) {
   sequence_.frames = {sequence_.frames[0], sequence_.frames[9]};
   EXPECT_THROW(reconstruct(sequence_, std::nullopt, options_), InputError);
