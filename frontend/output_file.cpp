@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "frontend/error.h"
+#include "frontend/work_state.h"
 
 namespace fabloop {
 namespace {
@@ -69,6 +70,10 @@ OutputFolder::OutputFolder(fs::path path, IfExists if_exists, fs::path part_path
     : path_(without_trailing_slash(path)), part_path_(part_path.empty() ? part_path_of(path_) : std::move(part_path)) {
   require_usable(path_, if_exists);
   std::error_code error;
+  if (fs::exists(part_path_ / WorkState::kInputsName, error)) {
+    throw InputError(part_path_.string() +
+                     ": holds the work of a run that was stopped; finish that run, remove the folder, or choose another --out");
+  }
   fs::remove_all(part_path_, error);
   fs::create_directories(part_path_, error);
   if (error) throw InputError(path_.string() + ": cannot be created (" + error.message() + "); choose another place");

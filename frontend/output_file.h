@@ -37,7 +37,8 @@ class OutputFolder {
   enum class IfExists { Refuse, Replace };
 
   /// Throws InputError when the folder exists (unless `Replace`) or cannot be created. With `Replace` the old folder stays
-  /// until commit(). An empty `part_path` is `NAME.part`.
+  /// until commit(). An empty `part_path` is `NAME.part`. Kept work (WorkState) that lies there is not removed:
+  /// InputError.
   explicit OutputFolder(std::filesystem::path path, IfExists if_exists = IfExists::Refuse, std::filesystem::path part_path = {});
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;

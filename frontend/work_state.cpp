@@ -20,7 +20,6 @@ namespace fs = std::filesystem;
 
 // A state file is: magic, size of the content (u64), its checksum (u64), content. It is read on the machine that wrote it.
 constexpr std::array<char, 8> kStateMagic = {'F', 'A', 'B', 'L', 'O', 'O', 'P', 'S'};
-constexpr const char* kInputsName = "inputs.txt";
 
 std::optional<std::string> text_of(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -41,14 +40,14 @@ std::string first_difference(const std::string& before, const std::string& now) 
 /// A folder that nobody else can have filled: empty, or killed before its first file was complete.
 bool is_unused(const fs::path& folder) {
   return std::all_of(fs::directory_iterator(folder), fs::directory_iterator(), [](const fs::directory_entry& entry) {
-    return entry.path().filename() == std::string(kInputsName) + ".part";
+    return entry.path().filename() == std::string(WorkState::kInputsName) + ".part";
   });
 }
 
 /// The inputs go last: killed on the way, what is left is still known as a state.
 void remove_state(const fs::path& folder, std::error_code& error) {
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
-    if (entry->path().filename() != kInputsName) fs::remove_all(entry->path(), error);
+    if (entry->path().filename() != WorkState::kInputsName) fs::remove_all(entry->path(), error);
   }
   if (!error) fs::remove_all(folder, error);
 }

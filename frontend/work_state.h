@@ -20,6 +20,9 @@ namespace fabloop {
 /// the result finds room, and the work goes on without.
 class WorkState {
  public:
+  /// The file of its inputs: a folder that has it is a state.
+  static constexpr const char* kInputsName = "inputs.txt";
+
   /// What to do with work that a former run left.
   enum class IfFound { Resume, Discard };
 

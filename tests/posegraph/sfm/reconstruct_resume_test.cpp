@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "frontend/error.h"
+#include "frontend/output_file.h"
 #include "posegraph/sfm/reconstruct.h"
 #include "posegraph/sfm/reconstruction_folder.h"
 #include "tests/posegraph/scratch_folder.h"
@@ -122,6 +123,12 @@ TEST_F(ReconstructResume, StartsAnewOnOtherOptionsOrImagesAndSaysSo) {
   options_.if_state_found = WorkState::IfFound::Discard;
   ASSERT_TRUE(run_and_kill("features", 1));
   EXPECT_THAT(warnings_, IsEmpty());
+}
+
+TEST_F(ReconstructResume, NoOtherRunRemovesKeptWork) {
+  ASSERT_TRUE(run_and_kill("features", 3));
+  EXPECT_THROW(OutputFolder{folder_.path() / "run"}, InputError);
+  EXPECT_TRUE(fs::exists(options_.state_folder / "inputs.txt"));
 }
 
 TEST_F(ReconstructResume, DoesDamagedWorkAgain) {
