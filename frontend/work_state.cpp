@@ -78,9 +78,9 @@ void WorkState::open(const std::string& inputs, IfFound if_found) {
     warn_(folder_.string() + " was left by a " + work_ + " on other images or with other options (" +
           first_difference(*former, inputs) + "); starting anew");
   }
-  std::error_code error;
-  remove_state(folder_, error);
-  if (error) throw fs::filesystem_error("", error);
+  std::error_code failure;
+  remove_state(folder_, failure);
+  if (failure) throw fs::filesystem_error("", failure);
   fs::create_directories(folder_);
   try {
     OutputFile file(folder_ / kInputsName);
