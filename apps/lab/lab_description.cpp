@@ -182,6 +182,9 @@ class Reader {
         for (const BackEnd b : all_back_ends()) known += ", " + std::string(to_string(b));
         file_.fail(entry.Mark(), "there is no back end '" + name + "'; there are " + known);
       }
+      for (const LabBackEnd& other : result_.back_ends) {
+        if (other.name == name) file_.fail(entry.Mark(), "the back end '" + name + "' comes twice");
+      }
       result_.back_ends.push_back(std::move(back_end));
     }
   }

@@ -100,6 +100,7 @@ TEST(LabDescription, WhatComesTwiceIsRefused) {
   EXPECT_THAT(error_of(with("[5, 10]", "[5, 5]")), HasSubstr("lab.yaml:8: a value comes twice"));
   EXPECT_THAT(error_of(with("[1, 7]", "[1, 1]")), HasSubstr("lab.yaml:4: a seed comes twice"));
   EXPECT_THAT(error_of(with("tf-idf", "fabmap")), HasSubstr("lab.yaml:9: the method 'fabmap' comes twice"));
+  EXPECT_THAT(error_of(with("gnc-truncated", "map")), HasSubstr("lab.yaml:11: the back end 'map' comes twice"));
 }
 
 TEST(LabDescription, WhatDoesNotFitTogetherIsRefused) {
