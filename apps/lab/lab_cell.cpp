@@ -2,6 +2,8 @@
 #include "apps/lab/lab_cell.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <fstream>
 #include <iomanip>
 #include <limits>
@@ -40,6 +42,13 @@ std::uint64_t checksum_of_file(const fs::path& path) {
 void replace_all(std::string& text, const std::string& from, const std::string& to) {
   for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
     text.replace(at, from.size(), to);
+}
+
+/// As few digits as tell the number from all others: 0.3.
+std::string shortest_text(double value) {
+  std::array<char, 32> text{};
+  const std::to_chars_result end = std::to_chars(text.data(), text.data() + text.size(), value);
+  return {text.data(), end.ptr};
 }
 
 /// Every combination of the swept values, the first parameter outermost.
@@ -108,6 +117,9 @@ fs::path scores_file(const LabMethod& method, const LabCell& cell, const LabDesc
   std::string path = method.scores;
   replace_all(path, "{data}", cell.data);
   replace_all(path, "{seed}", std::to_string(cell.seed));
+  LabSettings settings = cell.settings;
+  for (const LabParameter& parameter : lab_parameters())
+    replace_all(path, '{' + std::string(parameter.name) + '}', shortest_text(parameter.of(settings)));
   return description.path.parent_path() / path;
 }
 

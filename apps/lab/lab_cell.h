@@ -37,7 +37,8 @@ std::string cell_text(const LabCell& cell, const LabDescription& description);
 /// Checksum of that text, 16 hexadecimal digits: the name of the cell's file.
 std::string cell_checksum(const LabCell& cell, const LabDescription& description);
 
-/// The file of scores of a method for a cell. Empty for built-in methods.
+/// The file of scores of a method for a cell, its placeholders replaced; a parameter's value has as few digits as it takes (0.3).
+/// Empty for built-in methods.
 std::filesystem::path scores_file(const LabMethod& method, const LabCell& cell, const LabDescription& description);
 
 /// Folder names of sequences may end in a slash.

@@ -76,6 +76,11 @@ TEST(LabCell, FilesOfSequencesAndScoresAreAmongThat) {
   EXPECT_EQ(cell.data, "flight");
   EXPECT_EQ(cell.height_above_ground_m, 40);
   EXPECT_EQ(scores_file(lab.methods[0], cell, lab), folder.path() / "flight-2.csv");
+  LabMethod swept = lab.methods[0];
+  swept.scores = "{dropped_frames}/{top}.csv";
+  LabCell troubled = cell;
+  troubled.settings.trouble.dropped_frames = 0.3;
+  EXPECT_EQ(scores_file(swept, troubled, lab), folder.path() / "0.3" / "10.csv");
   const std::string before = cell_checksum(cell, lab);
   EXPECT_EQ(cell_checksum(cell, lab), before);
   folder.write("flight-2.csv", "query,match,score\n9,1,0.5\n");
