@@ -24,8 +24,9 @@ struct LabRunReport {
   std::size_t num_stale = 0;  ///< Files of cells that the description does not have; they are left alone.
 };
 
-/// Runs an experiment into a folder: each finished cell is one file in `cells/`, named by the checksum of all that it depends on,
-/// so that a run that was killed goes on where it was, and cells that a changed description or program changes are made anew.
+/// Runs an experiment into a folder: each finished cell is one file in `cells/`, named by the checksum of what it depends on,
+/// so that a run that was killed goes on where it was, and cells that a changed description, sequence or version (see cell_text())
+/// changes are made anew; a program built anew under the same version takes the cells that are there.
 /// Then writes `results.csv`, `results.json`, `table.md`, figures and a copy of the description. The same description gives the
 /// same bytes, in one go or many. Throws InputError when the folder holds something else, and as run_cell() does.
 LabRunReport run_lab(const LabDescription& description, const std::filesystem::path& out, const LabRunOptions& options = {});

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <filesystem>
 #include <set>
 
 #include "frontend/error.h"
@@ -88,6 +90,20 @@ TEST(LabCell, FilesOfSequencesAndScoresAreAmongThat) {
   EXPECT_NE(with_score, before);
   folder.write("flight/frames.csv", "a,1\nb,2\n");
   EXPECT_NE(cell_checksum(cell, lab), with_score);
+  const std::string with_frame = cell_checksum(cell, lab);
+  folder.write("flight/frames.csv", "a,1\nc,2\n");
+  EXPECT_NE(cell_checksum(cell, lab), with_frame) << "as long as before, but another text";
+  // Images may lie in a linked folder.
+  std::filesystem::create_directory(folder.path() / "images");
+  const std::filesystem::path image = folder.write("images/a.png", "pixels");
+  std::filesystem::create_directory_symlink(folder.path() / "images", folder.path() / "flight" / "images");
+  const std::string with_image = cell_checksum(cell, lab);
+  EXPECT_EQ(cell_checksum(cell, lab), with_image);
+  folder.write("images/a.png", "fewer");
+  EXPECT_NE(cell_checksum(cell, lab), with_image);
+  const std::string as_long = cell_checksum(cell, lab);
+  std::filesystem::last_write_time(image, std::filesystem::last_write_time(image) + std::chrono::seconds(2));
+  EXPECT_NE(cell_checksum(cell, lab), as_long) << "changed at another time";
   std::filesystem::remove(folder.path() / "flight-2.csv");
   EXPECT_THAT(test::message_of<InputError>([&] { cell_checksum(cell, lab); }), HasSubstr("flight-2.csv"));
 }
