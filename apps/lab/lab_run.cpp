@@ -97,7 +97,7 @@ LabRunReport run_lab(const LabDescription& description, const fs::path& out, con
                  " cells are of another description, data or version, and have no part in the tables");
   }
   const int num_jobs = resolve_num_threads(options.num_jobs);
-  const int threads_a_job = std::max(1, resolve_num_threads(0) / num_jobs);
+  const int threads_a_job = std::max(1, resolve_num_threads(options.num_threads) / num_jobs);
   std::mutex mutex;
   std::size_t num_done = 0;
   parallel_for(cells.size(), num_jobs, [&](std::size_t i) {

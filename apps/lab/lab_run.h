@@ -13,6 +13,7 @@ namespace fabloop {
 struct LabRunOptions {
   std::filesystem::path data_root{};  ///< What folders of sequences are relative to. Empty: the description's folder.
   int num_jobs = 0;                   ///< Cells run at the same time; 0: one a hardware thread. Results do not depend on it.
+  int num_threads = 0;                ///< Of all cells together, at least one each; 0: all. Results do not depend on it.
   Warn warn{};                        ///< Told of cells of another description.
   Progress progress{};
 };
