@@ -145,7 +145,16 @@ TEST(LabTables, ReadersSeeSharesWithIntervals) {
   EXPECT_THAT(text, HasSubstr("# By hand"));
   EXPECT_THAT(text, HasSubstr("| synthetic, aliasing 0 | TF-IDF | 20 | 20 of 40, 50.0 % [50.0, 50.0] | 10 of 30, 33.3 % ["));
   EXPECT_THAT(text, HasSubstr("| synthetic, aliasing 0.5 | TF-IDF | map | 20 of 20 | 4 of 14 | 6.00 | 2.00 |"));
-  EXPECT_THAT(text, HasSubstr("by hand"));
+  EXPECT_THAT(text, HasSubstr("\nRecipe (synthetic, aliasing 0; synthetic, aliasing 0.5): by hand"));
+}
+
+TEST(LabTables, EachRecipeIsToldWithTheDataThatItIsOf) {
+  LabResults results = evaluate_cells(finished_cells(), description(), 1);
+  results.pooled[0].recipe = "within 10 % of 20 m";
+  results.pooled[1].recipe = "within 10 % of 52 m";
+  const std::string text = results_markdown(results, description());
+  EXPECT_THAT(text, HasSubstr("\nRecipe (synthetic, aliasing 0): within 10 % of 20 m.\n"));
+  EXPECT_THAT(text, HasSubstr("\nRecipe (synthetic, aliasing 0.5): within 10 % of 52 m.\n"));
 }
 
 TEST(LabTables, NoneOfManyIsToldWithWhatItProves) {
