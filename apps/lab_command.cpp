@@ -54,7 +54,7 @@ void add_lab_command(CLI::App& program, const CommonOptions& common) {
   command->add_option("FILE", arguments->description, "description of the experiment (YAML; see apps/lab/README.md)");
   command->add_option("--out", arguments->out, "folder for cells, tables and figures; one that was begun goes on");
   command->add_option("--data", arguments->data, "folder that the description's sequences are in (default: the description's)");
-  command->add_option("--jobs", arguments->jobs, "cells run at the same time (default: --threads)")
+  command->add_option("--jobs", arguments->jobs, "cells run at the same time (default: as many as --threads)")
       ->check(CLI::PositiveNumber);
   command->add_flag("--parameters", arguments->parameters, "list what a description may set or sweep, and end");
   command->callback([arguments, &common] { run_experiment(*arguments, common); });

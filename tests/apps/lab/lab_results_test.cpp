@@ -6,6 +6,8 @@
 
 #include <fstream>
 #include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <sstream>
 
 #include "apps/lab/cell_file.h"
@@ -169,6 +171,36 @@ TEST(LabFigures, EachGroupHasItsPicture) {
   write_lab_figures(folder.path(), evaluate_cells(finished_cells(), description(), 1), description());
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "precision_recall_1.png"));
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "precision_recall_2.png"));
+}
+
+TEST(LabFigures, ASweepIsDrawnWhereAnythingPassed) {
+  const std::string name = "false_share_synthetic_tf-idf.png";
+  const auto draw = [&](const LabResults& results) {
+    const test::ScratchFolder folder;
+    write_lab_figures(folder.path(), results, description());
+    return cv::imread((folder.path() / name).string());
+  };
+  LabResults results = evaluate_cells(finished_cells(), description(), 1);
+  EXPECT_FALSE(draw(results).empty());
+  // One point alone, at either end of the sweep, is drawn there.
+  const auto forget = [](MethodRows& rows) {
+    for (StageRow& row : rows.stages) row.result.precision = {};
+  };
+  LabResults first = results, last = results;
+  forget(first.pooled[1]);
+  forget(last.pooled[0]);
+  const cv::Mat at_low = draw(first), at_high = draw(last);
+  ASSERT_FALSE(at_low.empty());
+  ASSERT_EQ(at_low.size(), at_high.size());
+  // What differs is at the left and the right edge of the plot, nowhere between.
+  cv::Mat difference;
+  cv::cvtColor(cv::Mat(at_low != at_high), difference, cv::COLOR_BGR2GRAY);
+  const cv::Mat plot = difference.rowRange(difference.rows / 4, difference.rows);
+  EXPECT_GT(cv::countNonZero(plot.colRange(0, plot.cols / 4)), 0);
+  EXPECT_GT(cv::countNonZero(plot.colRange(3 * plot.cols / 4, plot.cols)), 0);
+  EXPECT_EQ(cv::countNonZero(plot.colRange(plot.cols / 4, 3 * plot.cols / 4)), 0);
+  forget(first.pooled[0]);
+  EXPECT_TRUE(draw(first).empty()) << "nothing to draw";
 }
 
 TEST(CellFile, NumbersComeBackExactly) {
