@@ -23,7 +23,10 @@ constexpr std::array<Stage, 5> kStages = {Stage::Appearance, Stage::Matching, St
 /// Reads one description.
 class Reader {
  public:
-  explicit Reader(const std::filesystem::path& path) : file_(read_yaml_file(path)) { result_.path = path; }
+  explicit Reader(const std::filesystem::path& path) : file_(read_yaml_file(path)) {
+    result_.path = path;
+    result_.text = file_.text;
+  }
 
   LabDescription read() {
     read_yaml_map(file_, file_.root, "the description",

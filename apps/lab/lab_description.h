@@ -54,6 +54,7 @@ struct LabSweep {
 /// One experiment, which makes one table: data, what goes wrong with them, and what is compared.
 struct LabDescription {
   std::filesystem::path path;  ///< The file; for messages.
+  std::string text;            ///< Its bytes, as they were read.
   std::string title;
   std::optional<SyntheticData> synthetic;  ///< Either this or sequences.
   std::vector<SequenceData> sequences;

@@ -28,7 +28,8 @@ struct LabRunReport {
 /// Runs an experiment into a folder: each finished cell is one file in `cells/`, named by the checksum of what it depends on,
 /// so that a run that was killed goes on where it was, and cells that a changed description, sequence or version (see cell_text())
 /// changes are made anew; a program built anew under the same version takes the cells that are there.
-/// Then writes `results.csv`, `results.json`, `table.md`, figures and a copy of the description. The same description gives the
+/// Then writes `results.csv`, `results.json`, `table.md`, figures (in place of earlier ones) and a copy of the
+/// description. The same description gives the
 /// same bytes, in one go or many. Throws InputError when the folder holds something else, and as run_cell() does.
 LabRunReport run_lab(const LabDescription& description, const std::filesystem::path& out, const LabRunOptions& options = {});
 
