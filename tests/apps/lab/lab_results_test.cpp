@@ -125,6 +125,27 @@ TEST(LabResults, AnInjectedLoopDoesNotSpeakForTheRunsOwn) {
   EXPECT_EQ(judged.hypotheses.back().num_stages_passed, 5);
 }
 
+TEST(LabResults, WhereLoopsWereInjectedABackEndHasNoRanking) {
+  const auto back_end_of = [](const std::vector<FinishedCell>& cells) {
+    return evaluate_cells(cells, description(), 1).pooled[0].stages[2].result;
+  };
+  std::vector<FinishedCell> cells = finished_cells();
+  const StageResult injected = back_end_of(cells);
+  EXPECT_FALSE(injected.average_precision.value.has_value());
+  EXPECT_FALSE(injected.recall_at_full_precision.value.has_value());
+  EXPECT_FALSE(injected.expected_calibration_error.value.has_value());
+  EXPECT_FALSE(injected.brier_score.value.has_value());
+  EXPECT_FALSE(injected.curve.has_value());
+  EXPECT_TRUE(injected.precision.value.has_value());
+  for (FinishedCell& cell : cells) {
+    for (MethodResult& method : cell.result.methods)
+      std::erase_if(method.back_ends[0].loops, [](const TriedLoop& loop) { return loop.is_injected; });
+  }
+  const StageResult own = back_end_of(cells);
+  EXPECT_TRUE(own.average_precision.value.has_value());
+  EXPECT_TRUE(own.brier_score.value.has_value());
+}
+
 TEST(LabTables, TheTidyTableHasALineACellMethodAndStage) {
   const test::ScratchFolder folder;
   const LabResults results = evaluate_cells(finished_cells(), description(), 1);

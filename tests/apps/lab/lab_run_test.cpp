@@ -92,11 +92,11 @@ TEST_F(LabRun, AChangedDescriptionIsNoticed) {
 }
 
 TEST_F(LabRun, PicturesOfAnEarlierDescriptionAreRemovedAndTheTextIsTheOneThatWasRead) {
-  run(describe("sweep: {top: [2, 5]}\nmethods: [seqslam]\nstages: [appearance]\n"), "out");
+  run(describe("sweep: {top: [2, 5]}\nmethods: [tf-idf]\nstages: [appearance]\n"), "out");
   const auto before = files_of("out");
   ASSERT_TRUE(before.contains("precision_recall_2.png"));
   ASSERT_TRUE(std::any_of(before.begin(), before.end(), [](const auto& f) { return f.first.starts_with("false_share_"); }));
-  const LabDescription lab = describe("methods: [seqslam]\nstages: [appearance]\n");
+  const LabDescription lab = describe("methods: [tf-idf]\nstages: [appearance]\n");
   const std::string text = files_of(".").at("lab.yaml");
   folder_.write("out/mine.png", "of the user's own");
   folder_.write("lab.yaml", "title: changed in the meantime\n");
