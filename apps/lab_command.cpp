@@ -36,6 +36,7 @@ void run_experiment(const LabArguments& arguments, const CommonOptions& common) 
   LabRunOptions options;
   options.data_root = arguments.data;
   options.num_jobs = arguments.jobs > 0 ? arguments.jobs : common.num_threads;
+  options.num_threads = common.num_threads;
   options.warn = make_warn(common);
   options.progress = make_progress(common);
   const LabRunReport report = run_lab(description, arguments.out, options);
@@ -50,10 +51,10 @@ void add_lab_command(CLI::App& program, const CommonOptions& common) {
   const auto arguments = std::make_shared<LabArguments>();
   CLI::App* command = program.add_subcommand(
       "lab", "Run an experiment: data, troubles, methods and stages from one file, to tables and figures; goes on when killed");
-  command->add_option("FILE", arguments->description, "description of the experiment (YAML; see lab/README.md)");
+  command->add_option("FILE", arguments->description, "description of the experiment (YAML; see apps/lab/README.md)");
   command->add_option("--out", arguments->out, "folder for cells, tables and figures; one that was begun goes on");
   command->add_option("--data", arguments->data, "folder that the description's sequences are in (default: the description's)");
-  command->add_option("--jobs", arguments->jobs, "cells run at the same time (default: one a hardware thread)")
+  command->add_option("--jobs", arguments->jobs, "cells run at the same time (default: as many as --threads)")
       ->check(CLI::PositiveNumber);
   command->add_flag("--parameters", arguments->parameters, "list what a description may set or sweep, and end");
   command->callback([arguments, &common] { run_experiment(*arguments, common); });

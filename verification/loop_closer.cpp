@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -121,10 +122,15 @@ std::vector<Hypothesis> LoopCloser::most_probable(const Belief& belief, LoopEven
 
 std::vector<Hypothesis> LoopCloser::proposed() const {
   std::vector<Hypothesis> hypotheses = options_.propose(map_.keyframes.size());
+  std::set<PlaceId> named;
   for (const Hypothesis& hypothesis : hypotheses) {
     if (hypothesis.place >= map_.keyframes.size() || !(hypothesis.probability >= 0.0 && hypothesis.probability <= 1.0)) {
       throw InputError("a proposed place is no earlier keyframe, or its probability is none: place " +
                        std::to_string(hypothesis.place) + " for the keyframe at position " + std::to_string(map_.keyframes.size()));
+    }
+    if (!named.insert(hypothesis.place).second) {
+      throw InputError("a place is proposed twice, and its loop would count twice: place " + std::to_string(hypothesis.place) +
+                       " for the keyframe at position " + std::to_string(map_.keyframes.size()) + "; propose each place once");
     }
   }
   return hypotheses;

@@ -28,7 +28,7 @@
 namespace fabloop {
 
 /// Which places the keyframe at position `current` of the map may show, the best first: another recogniser in FAB-MAP's place. Places
-/// are earlier positions, a probability (of the place given the image) in [0, 1]; where none is known, 0.5.
+/// are earlier positions, each named once, a probability (of the place given the image) in [0, 1]; where none is known, 0.5.
 using ProposePlaces = std::function<std::vector<Hypothesis>(std::size_t current)>;
 
 struct LoopCloserOptions {
@@ -36,7 +36,7 @@ struct LoopCloserOptions {
   PlaceRecognizerOptions recognizer;
   MotionModel motion;
   HypothesesOptions hypotheses;  ///< With an earlier map, `max_hypotheses` of its places and as many of this session's.
-  ProposePlaces propose{};       ///< None: FAB-MAP proposes. With it `hypotheses` is not looked at.
+  ProposePlaces propose{};       ///< None: FAB-MAP proposes. With it `hypotheses` says only what counts as recent in `p_new`.
   VerifierOptions verifier;
   NeighbourOptions neighbour;
   ConsistencyOptions consistency;  ///< Off by default: every proven loop is handed out at once.

@@ -84,11 +84,14 @@ std::optional<double> ate_of(const Trajectory& estimate, const Trajectory& refer
   return ate ? std::optional(ate->translation_m.rmse) : std::nullopt;
 }
 
+// A neighbour's translation has unit length: it says where to, not how far.
+void start_from_odometry(PoseGraph& graph) { chain_sessions(graph, {EdgeKind::Loop, EdgeKind::Neighbour}); }
+
 std::vector<BackEndTrial> try_back_ends(const std::vector<LabBackEnd>& back_ends, const BackEndProblem& problem) {
   PoseGraph graph = problem.map.graph;
   const std::vector<std::size_t> injected = inject_false_loops(graph, problem.settings);
   const std::size_t num_own = graph.edges.size() - injected.size();
-  chain_sessions(graph, {EdgeKind::Loop});
+  start_from_odometry(graph);
   std::vector<BackEndTrial> trials;
   for (const LabBackEnd& back_end : back_ends) {
     PoseGraph solved = graph;

@@ -42,8 +42,12 @@ struct BackEndProblem {
   LabSettings settings;  ///< False loops to add, and the probability of robust back ends.
 };
 
+/// Sets the vertices where odometry alone leads from the first (or the fixed) ones: no loop has a part in it, nor have the edges to
+/// neighbours, which have no scale.
+void start_from_odometry(PoseGraph& graph);
+
 /// Adds the false loops that the settings ask for (shaped after the map's own loops; none where it has none), starts from where
-/// odometry leads, and has each back end sort it out. Throws InputError as robust_optimize() does.
+/// odometry leads (start_from_odometry()), and has each back end sort it out. Throws InputError as robust_optimize() does.
 std::vector<BackEndTrial> try_back_ends(const std::vector<LabBackEnd>& back_ends, const BackEndProblem& problem);
 
 /// ATE of a map's odometry; none where it is not defined.

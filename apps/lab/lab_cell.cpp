@@ -2,11 +2,14 @@
 #include "apps/lab/lab_cell.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <fstream>
 #include <iomanip>
 #include <limits>
 #include <set>
 #include <sstream>
+#include <string_view>
 
 #include "frontend/checksum.h"
 #include "frontend/error.h"
@@ -17,29 +20,56 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Names and sizes of all files below a folder.
+/// Raise it with every change of the program that changes what a cell comes to (features, methods, verification, mapper, back ends,
+/// troubles, synthetic worlds, rules of truth, form of a cell's file), so that cells of before are made anew. Within one version of
+/// fabloop nothing else notices.
+constexpr int kResultVersion = 1;
+
+constexpr std::array<std::string_view, 8> kTextFiles = {".csv", ".g2o", ".json", ".tum", ".txt", ".xml", ".yaml", ".yml"};
+
+std::uint64_t checksum_of_file(const fs::path& path, const std::string& what) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream bytes;
+  bytes << file.rdbuf();
+  // An empty file gives no character, which the stream calls a failure.
+  std::error_code error;
+  if (!file || (!bytes && fs::file_size(path, error) > 0))
+    throw InputError(path.string() + ": " + what + " cannot be read; does the file exist?");
+  return checksum(bytes.str());
+}
+
+/// Text by its contents; of images and whatever else is large, size and time of the last change.
+std::string state_of(const fs::directory_entry& file) {
+  if (std::find(kTextFiles.begin(), kTextFiles.end(), file.path().extension().string()) != kTextFiles.end())
+    return "checksum " + std::to_string(checksum_of_file(file.path(), "a file of the sequence"));
+  return std::to_string(file.file_size()) + " bytes, changed " + std::to_string(file.last_write_time().time_since_epoch().count());
+}
+
+/// All files below a folder, those of linked folders too, and the state of each.
 void list_files(std::ostream& out, const fs::path& folder) {
   std::error_code error;
   std::vector<std::string> lines;
-  for (auto file = fs::recursive_directory_iterator(folder, error); !error && file != fs::end(file); file.increment(error)) {
+  constexpr auto kFollow = fs::directory_options::follow_directory_symlink;
+  for (auto file = fs::recursive_directory_iterator(folder, kFollow, error); !error && file != fs::end(file);
+       file.increment(error)) {
     if (!file->is_regular_file()) continue;
-    lines.push_back(fs::relative(file->path(), folder).generic_string() + ' ' + std::to_string(file->file_size()));
+    lines.push_back(file->path().lexically_relative(folder).generic_string() + ' ' + state_of(*file));
   }
   if (error) throw InputError(folder.string() + ": the sequence cannot be read: " + error.message());
   std::sort(lines.begin(), lines.end());
   for (const std::string& line : lines) out << line << '\n';
 }
 
-std::uint64_t checksum_of_file(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream bytes;
-  if (!file || !(bytes << file.rdbuf())) throw InputError(path.string() + ": the scores cannot be read; does the file exist?");
-  return checksum(bytes.str());
-}
-
 void replace_all(std::string& text, const std::string& from, const std::string& to) {
   for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
     text.replace(at, from.size(), to);
+}
+
+/// As few digits as tell the number from all others: 0.3.
+std::string shortest_text(double value) {
+  std::array<char, 32> text{};
+  const std::to_chars_result end = std::to_chars(text.data(), text.data() + text.size(), value);
+  return {text.data(), end.ptr};
 }
 
 /// Every combination of the swept values, the first parameter outermost.
@@ -108,12 +138,16 @@ fs::path scores_file(const LabMethod& method, const LabCell& cell, const LabDesc
   std::string path = method.scores;
   replace_all(path, "{data}", cell.data);
   replace_all(path, "{seed}", std::to_string(cell.seed));
+  LabSettings settings = cell.settings;
+  for (const LabParameter& parameter : lab_parameters())
+    replace_all(path, '{' + std::string(parameter.name) + '}', shortest_text(parameter.of(settings)));
   return description.path.parent_path() / path;
 }
 
 std::string cell_text(const LabCell& cell, const LabDescription& description) {
   std::ostringstream text;
-  text << std::setprecision(std::numeric_limits<double>::max_digits10) << "fabloop " << FABLOOP_VERSION << "\ndata " << cell.data
+  text << std::setprecision(std::numeric_limits<double>::max_digits10) << "fabloop " << FABLOOP_VERSION << ", results "
+       << kResultVersion << "\ndata " << cell.data
        << ' ' << cell.height_above_ground_m << "\nseed " << cell.seed << '\n';
   if (description.synthetic) {
     const SyntheticData& data = *description.synthetic;
@@ -128,7 +162,7 @@ std::string cell_text(const LabCell& cell, const LabDescription& description) {
   for (const LabParameter& parameter : lab_parameters()) text << parameter.name << ' ' << parameter.of(settings) << '\n';
   for (const LabMethod& method : description.methods) {
     text << "method " << method.name;
-    if (!method.method) text << ' ' << checksum_of_file(scores_file(method, cell, description));
+    if (!method.method) text << ' ' << checksum_of_file(scores_file(method, cell, description), "the scores");
     text << '\n';
   }
   text << "verifies " << description.verifies() << '\n';

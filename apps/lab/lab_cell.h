@@ -30,14 +30,17 @@ struct LabCell {
 /// sequences are relative to. Throws InputError when two sequences have one name.
 std::vector<LabCell> cells_of(const LabDescription& description, const std::filesystem::path& data_root);
 
-/// Everything that a cell's result depends on, in one text: program version, settings, data (of sequences the files' names and
-/// sizes), methods, how far pairs are judged, back ends. Throws InputError when a folder or a file of scores cannot be read.
+/// Everything that a cell's result depends on, in one text: version of the program and of its results
+/// (kResultVersion), settings, data, methods with the contents of files of scores, how far pairs are judged, back ends. Of sequences
+/// it has the files' names, the checksums of texts, and the sizes and times of change of images. A program that was built anew under
+/// the same versions gives the same text. Throws InputError when a folder or a file of scores cannot be read.
 std::string cell_text(const LabCell& cell, const LabDescription& description);
 
 /// Checksum of that text, 16 hexadecimal digits: the name of the cell's file.
 std::string cell_checksum(const LabCell& cell, const LabDescription& description);
 
-/// The file of scores of a method for a cell. Empty for built-in methods.
+/// The file of scores of a method for a cell, its placeholders replaced; a parameter's value has as few digits as it takes (0.3).
+/// Empty for built-in methods.
 std::filesystem::path scores_file(const LabMethod& method, const LabCell& cell, const LabDescription& description);
 
 /// Folder names of sequences may end in a slash.

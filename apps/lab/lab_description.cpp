@@ -23,7 +23,10 @@ constexpr std::array<Stage, 5> kStages = {Stage::Appearance, Stage::Matching, St
 /// Reads one description.
 class Reader {
  public:
-  explicit Reader(const std::filesystem::path& path) : file_(read_yaml_file(path)) { result_.path = path; }
+  explicit Reader(const std::filesystem::path& path) : file_(read_yaml_file(path)) {
+    result_.path = path;
+    result_.text = file_.text;
+  }
 
   LabDescription read() {
     read_yaml_map(file_, file_.root, "the description",
@@ -150,6 +153,7 @@ class Reader {
       for (const LabMethod& other : result_.methods) {
         if (other.name == method.name) file_.fail(entry.Mark(), "the method '" + method.name + "' comes twice");
       }
+      if (!method.method) scores_marks_.emplace_back(method, entry.Mark());
       result_.methods.push_back(std::move(method));
     }
   }
@@ -181,6 +185,9 @@ class Reader {
         std::string known = "map";
         for (const BackEnd b : all_back_ends()) known += ", " + std::string(to_string(b));
         file_.fail(entry.Mark(), "there is no back end '" + name + "'; there are " + known);
+      }
+      for (const LabBackEnd& other : result_.back_ends) {
+        if (other.name == name) file_.fail(entry.Mark(), "the back end '" + name + "' comes twice");
       }
       result_.back_ends.push_back(std::move(back_end));
     }
@@ -218,11 +225,31 @@ class Reader {
     if (is_named("random_false_loops") && is_named("grouped_false_loops")) fail("false loops are either random or grouped");
     if (result_.has_stage(Stage::Consistency) && !is_named("consistency"))
       fail("asks for the consistency stage, which is off by default; set or sweep consistency");
+    for (const auto& [method, mark] : scores_marks_) require_placeholders(method, mark);
     if (result_.title.empty()) result_.title = result_.path.stem().string();
+  }
+
+  /// Scores are by frame numbers, so one file cannot be of two sequences of images.
+  void require_placeholders(const LabMethod& method, const YAML::Mark& mark) const {
+    const auto require = [&](const std::string& key, const std::string& why) {
+      if (method.scores.find('{' + key + '}') != std::string::npos) return;
+      file_.fail(mark, "the scores of '" + method.name + "' are of other images " + why + "; give each its own file with {" + key +
+                           "} in the path");
+    };
+    bool is_changed = result_.synthetic.has_value();
+    for (const LabParameter& parameter : lab_parameters()) {
+      const std::string name(parameter.name);
+      if (!parameter.changes_images || named_.count(name) == 0) continue;
+      is_changed = true;
+      require(name, "where '" + name + "' is set or swept");
+    }
+    if (is_changed && result_.seeds.size() > 1) require("seed", "with every seed");
+    if (result_.sequences.size() > 1) require("data", "with every sequence");
   }
 
   YamlFile file_;
   LabDescription result_;
+  std::vector<std::pair<LabMethod, YAML::Mark>> scores_marks_;  ///< Methods whose scores are files.
   std::set<std::string> named_;
 };
 

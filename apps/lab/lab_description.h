@@ -35,7 +35,8 @@ struct SequenceData {
 struct LabMethod {
   std::string name;
   std::optional<PlaceMethod> method;  ///< None: scores from a file.
-  std::string scores;                 ///< Its path; "{data}" and "{seed}" in it become the cell's. Relative to the description.
+  /// Its path, relative to the description. "{data}", "{seed}" and the name of any parameter in braces become the cell's.
+  std::string scores;
 };
 
 /// A back end as an experiment names it.
@@ -53,6 +54,7 @@ struct LabSweep {
 /// One experiment, which makes one table: data, what goes wrong with them, and what is compared.
 struct LabDescription {
   std::filesystem::path path;  ///< The file; for messages.
+  std::string text;            ///< Its bytes, as they were read.
   std::string title;
   std::optional<SyntheticData> synthetic;  ///< Either this or sequences.
   std::vector<SequenceData> sequences;

@@ -35,18 +35,17 @@ std::vector<Series> false_shares(const std::vector<const MethodRows*>& groups) {
   return all;
 }
 
-cv::Mat draw_series(const std::string& title, const std::string& x_label, const std::vector<Series>& all) {
-  double low = 1e300, high = -1e300, most = 0.0;
+/// `sweep` has at least two values, all of them different.
+cv::Mat draw_series(const std::string& title, const LabSweep& sweep, const std::vector<Series>& all) {
+  double most = 0.0;
   for (const Series& series : all) {
-    for (const cv::Point2d& point : series.points) {
-      low = std::min(low, point.x);
-      high = std::max(high, point.x);
-      most = std::max(most, point.y);
-    }
+    for (const cv::Point2d& point : series.points) most = std::max(most, point.y);
   }
   const int top = kFirstLine + kLine * static_cast<int>(all.size());
   cv::Mat picture(top + kPlotHeight + kFoot, kWidth, CV_8UC3, plot::kPaper);
-  const plot::Axis x{low, high, kLeft, kWidth - kRight, x_label};
+  // Over all values, so that one at which nothing passed is seen to have no point.
+  const auto [low, high] = std::minmax_element(sweep.values.begin(), sweep.values.end());
+  const plot::Axis x{*low, *high, kLeft, kWidth - kRight, std::string(sweep.parameter->name)};
   constexpr double kLeastRange = 0.01;
   const plot::Axis y{0.0, std::max(kLeastRange, most), top + kPlotHeight, top, "share of false ones among those that passed"};
   plot::draw_axes(picture, x, y);
@@ -64,7 +63,7 @@ cv::Mat draw_series(const std::string& title, const std::string& x_label, const 
   return picture;
 }
 
-/// A picture for each sequence and method, where one parameter is swept.
+/// A picture for each sequence and method, where one parameter is swept and anything judged passed.
 void write_false_shares(const std::filesystem::path& folder, const LabResults& results, const LabDescription& description) {
   if (description.sweep.size() != 1 || description.sweep.front().values.size() < 2) return;
   const std::size_t num_values = description.sweep.front().values.size(), num_methods = description.methods.size();
@@ -73,9 +72,10 @@ void write_false_shares(const std::filesystem::path& folder, const LabResults& r
       std::vector<const MethodRows*> groups;
       for (std::size_t v = 0; v < num_values; ++v) groups.push_back(&results.pooled[(data * num_values + v) * num_methods + m]);
       const MethodRows& rows = *groups.front();
+      const std::vector<Series> shares = false_shares(groups);
+      if (std::all_of(shares.begin(), shares.end(), [](const Series& series) { return series.points.empty(); })) continue;
       write_png(folder / ("false_share_" + rows.data + "_" + rows.method + ".png"),
-                draw_series(description.title + ": " + rows.label, std::string(description.sweep.front().parameter->name),
-                            false_shares(groups)));
+                draw_series(description.title + ": " + rows.label, description.sweep.front(), shares));
     }
   }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "apps/lab/lab_results.h"
 
+#include <algorithm>
 #include <functional>
 
 #include "frontend/parallel.h"
@@ -28,6 +29,19 @@ std::optional<double> mean_of(std::size_t count, const std::function<std::option
   return num_known == count && count > 0 ? std::optional(sum / static_cast<double>(count)) : std::nullopt;
 }
 
+/// Injected loops have no score: figures of what a score sorts or claims would pass them over.
+void forget_ranking(StageResult& stage) {
+  stage.average_precision = stage.recall_at_full_precision = {};
+  stage.expected_calibration_error = stage.brier_score = {};
+  stage.curve.reset();
+  stage.recall_at.clear();
+  stage.calibration.reset();
+}
+
+bool has_injected(const BackEndTrial& trial) {
+  return std::any_of(trial.loops.begin(), trial.loops.end(), [](const TriedLoop& loop) { return loop.is_injected; });
+}
+
 std::vector<StageRow> stage_rows(const Replicates& replicates, const LabDescription& description, std::string& recipe) {
   std::vector<const JudgedRun*> runs;
   for (std::size_t i = 0; i < replicates.cells.size(); ++i) runs.push_back(&replicates.of(i).run);
@@ -48,8 +62,12 @@ std::vector<StageRow> stage_rows(const Replicates& replicates, const LabDescript
       decided.push_back(with_back_end(replicates.of(i).run, replicates.of(i).back_ends[b]));
     std::vector<const JudgedRun*> pointers;
     for (const JudgedRun& run : decided) pointers.push_back(&run);
-    rows.push_back({"back end: " + description.back_ends[b].name,
-                    std::move(evaluate_stages(pooled(pointers), options).stages.front()),
+    StageResult stage = std::move(evaluate_stages(pooled(pointers), options).stages.front());
+    bool is_injected = false;
+    for (std::size_t i = 0; i < replicates.cells.size(); ++i)
+      is_injected = is_injected || has_injected(replicates.of(i).back_ends[b]);
+    if (is_injected) forget_ranking(stage);
+    rows.push_back({"back end: " + description.back_ends[b].name, std::move(stage),
                     mean_of(replicates.cells.size(), [&](std::size_t i) { return replicates.of(i).back_ends[b].ate_m; })});
   }
   return rows;

@@ -24,7 +24,7 @@ struct FinishedCell {
 /// One stage's figures.
 struct StageRow {
   std::string stage;  ///< "geometry", ...; for back ends "back end: NAME".
-  StageResult result;
+  StageResult result;  ///< Of back ends with injected loops, which have no score: without ranking and calibration.
   std::optional<double> ate_m;  ///< Of back ends: their map's error. Pooled: the mean over the cells.
 };
 

@@ -2,11 +2,9 @@
 #include "apps/lab/lab_run.h"
 
 #include <algorithm>
-#include <fstream>
 #include <mutex>
 #include <optional>
 #include <set>
-#include <sstream>
 #include <string>
 #include <thread>
 
@@ -71,11 +69,19 @@ void write_text(const fs::path& path, const std::string& text) {
   file.commit();
 }
 
-std::string text_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
+/// Pictures of an earlier description, which the present one may not write again.
+void remove_figures(const fs::path& out) {
+  std::vector<fs::path> figures;
+  for (const auto& entry : fs::directory_iterator(out)) {
+    const std::string name = entry.path().filename().string();
+    const bool is_figure = name.starts_with("precision_recall_") || name.starts_with("false_share_");
+    if (is_figure && name.ends_with(".png") && entry.is_regular_file()) figures.push_back(entry.path());
+  }
+  for (const fs::path& figure : figures) {
+    std::error_code error;
+    fs::remove(figure, error);
+    if (error) throw InputError(figure.string() + ": is of an earlier run and cannot be removed: " + error.message());
+  }
 }
 
 }  // namespace
@@ -97,7 +103,7 @@ LabRunReport run_lab(const LabDescription& description, const fs::path& out, con
                  " cells are of another description, data or version, and have no part in the tables");
   }
   const int num_jobs = resolve_num_threads(options.num_jobs);
-  const int threads_a_job = std::max(1, resolve_num_threads(0) / num_jobs);
+  const int threads_a_job = std::max(1, resolve_num_threads(options.num_threads) / num_jobs);
   std::mutex mutex;
   std::size_t num_done = 0;
   parallel_for(cells.size(), num_jobs, [&](std::size_t i) {
@@ -120,8 +126,9 @@ LabRunReport run_lab(const LabDescription& description, const fs::path& out, con
   write_results_csv(out / "results.csv", results, description);
   write_results_json(out / "results.json", results, description);
   write_text(out / "table.md", results_markdown(results, description));
+  remove_figures(out);
   write_lab_figures(out, results, description);
-  write_text(out / kDescription, text_of(description.path));
+  write_text(out / kDescription, description.text);
   return report;
 }
 

@@ -29,6 +29,7 @@ struct LabParameter {
   std::string_view what;  ///< For readers.
   double low, high;       ///< What it may be, ends included.
   bool is_whole;          ///< Only whole numbers.
+  bool changes_images;    ///< Another value makes other images, or numbers them anew.
   double& (*of)(LabSettings& settings);
 };
 

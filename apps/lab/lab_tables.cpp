@@ -7,6 +7,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <utility>
 
 #include "frontend/output_file.h"
 
@@ -186,6 +187,19 @@ void back_end_table(std::ostream& out, const LabResults& results) {
   }
 }
 
+/// A line for each recipe: heights above ground and numbers of queries are the data's.
+void recipes(std::ostream& out, const LabResults& results) {
+  std::vector<std::pair<std::string, std::string>> groups_of;  // recipe, groups
+  for (const MethodRows& rows : results.pooled) {
+    auto found = std::find_if(groups_of.begin(), groups_of.end(), [&](const auto& known) { return known.first == rows.recipe; });
+    if (found == groups_of.end()) found = groups_of.insert(groups_of.end(), {rows.recipe, ""});
+    // The methods of a group stand together.
+    const bool is_named = found->second == rows.group || found->second.ends_with("; " + rows.group);
+    if (!is_named) found->second += (found->second.empty() ? "" : "; ") + rows.group;
+  }
+  for (const auto& [recipe, groups] : groups_of) out << "\nRecipe (" << groups << "): " << recipe << ".\n";
+}
+
 }  // namespace
 
 std::string share_text(std::size_t part, std::size_t count, const std::optional<Interval>& interval) {
@@ -234,7 +248,7 @@ std::string results_markdown(const LabResults& results, const LabDescription& de
   stage_table(out, results, description);
   if (description.has_stage(Stage::Appearance)) method_table(out, results, description);
   if (description.has_stage(Stage::BackEnd)) back_end_table(out, results);
-  out << "\nRecipe: " << results.pooled.front().recipe << ".\n";
+  recipes(out, results);
   return out.str();
 }
 

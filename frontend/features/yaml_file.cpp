@@ -21,10 +21,10 @@ YamlFile read_yaml_file(const std::filesystem::path& path) {
   if (!stream || std::filesystem::is_directory(path) || !(bytes << stream.rdbuf())) {
     throw InputError(path.string() + ": cannot be read as settings; does the file exist, and is it not empty?");
   }
-  std::string text = bytes.str();
+  YamlFile file{path, {}, bytes.str()};
+  std::string text = file.text;
   // OpenCV's head is no valid YAML directive; its line stays, so that lines keep their numbers.
   if (text.starts_with("%YAML:")) text.erase(0, std::min(text.find('\n'), text.size()));
-  YamlFile file{path, {}};
   try {
     file.root = YAML::Load(text);
   } catch (const YAML::Exception& error) {

@@ -12,6 +12,7 @@ namespace fabloop {
 struct YamlFile {
   std::filesystem::path path;
   YAML::Node root;
+  std::string text;  ///< The file's bytes.
 
   /// Throws InputError with the file and the line of the mark.
   [[noreturn]] void fail(const YAML::Mark& mark, const std::string& what) const;

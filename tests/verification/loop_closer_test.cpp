@@ -86,7 +86,7 @@ TEST(LoopCloser, WhatAnotherRecogniserProposesIsVerifiedAsFabMapsPlacesAre) {
   for (std::size_t i = 0; i < own.size(); ++i) EXPECT_EQ(text_of(proposed[i]), text_of(own[i]));
 }
 
-TEST(LoopCloser, APlaceThatIsNoEarlierKeyframeIsRefusedAndChangesNothing) {
+TEST(LoopCloser, APlaceThatIsNoEarlierKeyframeOrComesTwiceIsRefusedAndChangesNothing) {
   const Walk walk = make_walk({.num_landmarks = 500, .num_frames = 12, .num_again = 1});
   std::vector<Hypothesis> hypotheses;
   LoopCloserOptions options = walk_options();
@@ -97,6 +97,8 @@ TEST(LoopCloser, APlaceThatIsNoEarlierKeyframeIsRefusedAndChangesNothing) {
     hypotheses = {bad};
     EXPECT_THROW(closer.add_keyframe(keyframe_of(walk, 1)), InputError);
   }
+  hypotheses = {{0, 0.5, 0.0}, {0, 0.4, 0.0}};
+  EXPECT_THROW(closer.add_keyframe(keyframe_of(walk, 1)), InputError) << "its loop would count twice";
   EXPECT_EQ(closer.map().keyframes.size(), 1U);
   hypotheses = {{0, 0.5, 0.0}};
   EXPECT_EQ(closer.add_keyframe(keyframe_of(walk, 1)).hypotheses.size(), 1U);

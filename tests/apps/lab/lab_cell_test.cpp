@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <filesystem>
 #include <set>
 
 #include "frontend/error.h"
@@ -76,6 +78,11 @@ TEST(LabCell, FilesOfSequencesAndScoresAreAmongThat) {
   EXPECT_EQ(cell.data, "flight");
   EXPECT_EQ(cell.height_above_ground_m, 40);
   EXPECT_EQ(scores_file(lab.methods[0], cell, lab), folder.path() / "flight-2.csv");
+  LabMethod swept = lab.methods[0];
+  swept.scores = "{dropped_frames}/{top}.csv";
+  LabCell troubled = cell;
+  troubled.settings.trouble.dropped_frames = 0.3;
+  EXPECT_EQ(scores_file(swept, troubled, lab), folder.path() / "0.3" / "10.csv");
   const std::string before = cell_checksum(cell, lab);
   EXPECT_EQ(cell_checksum(cell, lab), before);
   folder.write("flight-2.csv", "query,match,score\n9,1,0.5\n");
@@ -83,6 +90,20 @@ TEST(LabCell, FilesOfSequencesAndScoresAreAmongThat) {
   EXPECT_NE(with_score, before);
   folder.write("flight/frames.csv", "a,1\nb,2\n");
   EXPECT_NE(cell_checksum(cell, lab), with_score);
+  const std::string with_frame = cell_checksum(cell, lab);
+  folder.write("flight/frames.csv", "a,1\nc,2\n");
+  EXPECT_NE(cell_checksum(cell, lab), with_frame) << "as long as before, but another text";
+  // Images may lie in a linked folder.
+  std::filesystem::create_directory(folder.path() / "images");
+  const std::filesystem::path image = folder.write("images/a.png", "pixels");
+  std::filesystem::create_directory_symlink(folder.path() / "images", folder.path() / "flight" / "images");
+  const std::string with_image = cell_checksum(cell, lab);
+  EXPECT_EQ(cell_checksum(cell, lab), with_image);
+  folder.write("images/a.png", "fewer");
+  EXPECT_NE(cell_checksum(cell, lab), with_image);
+  const std::string as_long = cell_checksum(cell, lab);
+  std::filesystem::last_write_time(image, std::filesystem::last_write_time(image) + std::chrono::seconds(2));
+  EXPECT_NE(cell_checksum(cell, lab), as_long) << "changed at another time";
   std::filesystem::remove(folder.path() / "flight-2.csv");
   EXPECT_THAT(test::message_of<InputError>([&] { cell_checksum(cell, lab); }), HasSubstr("flight-2.csv"));
 }

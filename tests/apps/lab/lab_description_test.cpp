@@ -23,7 +23,7 @@ set: {consistency: 2, blurred_frames: 0.1}
 sweep:
   aliasing: [0, 0.3]
   top: [5, 10]
-methods: [fabmap, tf-idf, {name: mine, scores: "{data}-{seed}.csv"}]
+methods: [fabmap, tf-idf, {name: mine, scores: "{seed}-{aliasing}-{blurred_frames}.csv"}]
 stages: [back end, appearance, geometry, consistency]
 back_ends: [map, gnc-truncated]
 features: {max_features: 400}
@@ -100,6 +100,7 @@ TEST(LabDescription, WhatComesTwiceIsRefused) {
   EXPECT_THAT(error_of(with("[5, 10]", "[5, 5]")), HasSubstr("lab.yaml:8: a value comes twice"));
   EXPECT_THAT(error_of(with("[1, 7]", "[1, 1]")), HasSubstr("lab.yaml:4: a seed comes twice"));
   EXPECT_THAT(error_of(with("tf-idf", "fabmap")), HasSubstr("lab.yaml:9: the method 'fabmap' comes twice"));
+  EXPECT_THAT(error_of(with("gnc-truncated", "map")), HasSubstr("lab.yaml:11: the back end 'map' comes twice"));
 }
 
 TEST(LabDescription, WhatDoesNotFitTogetherIsRefused) {
@@ -113,6 +114,20 @@ TEST(LabDescription, WhatDoesNotFitTogetherIsRefused) {
   EXPECT_THAT(error_of(with("  synthetic: {length_m: 300, camera_scale: 0.5}", "  sequences: [{folder: a}]")),
               HasSubstr("only synthetic worlds"));
   EXPECT_THAT(error_of(with("name: mine", "name: vlad")), HasSubstr("the name of a built-in method"));
+}
+
+TEST(LabDescription, AFileOfScoresIsOfOneSequenceOfImages) {
+  EXPECT_THAT(error_of(with("-{aliasing}", "")), HasSubstr("lab.yaml:9: the scores of 'mine' are of other images where 'aliasing'"));
+  EXPECT_THAT(error_of(with("-{blurred_frames}", "")), HasSubstr("with {blurred_frames} in the path"));
+  EXPECT_THAT(error_of(with("{seed}-", "")), HasSubstr("with {seed} in the path"));
+  const std::string flights = "data: {sequences: [{folder: a}, {folder: b}]}\nstages: [appearance]\n";
+  EXPECT_THAT(error_of(flights + "methods: [{name: mine, scores: mine.csv}]\n"),
+              HasSubstr("lab.yaml:3: the scores of 'mine' are of other images with every sequence"));
+  const std::string dropped = flights + "set: {dropped_frames: 0.2}\n";
+  EXPECT_THAT(error_of(dropped + "methods: [{name: mine, scores: \"{data}.csv\"}]\n"),
+              HasSubstr("lab.yaml:4: the scores of 'mine' are of other images where 'dropped_frames'"));
+  // What is done with the scores leaves the images alone.
+  EXPECT_EQ(read(flights + "sweep: {top: [5, 10]}\nmethods: [{name: mine, scores: \"{data}.csv\"}]\n").methods.size(), 1u);
 }
 
 TEST(LabDescription, EveryParameterIsThereUnderItsNameAndStartsWithinItsRange) {

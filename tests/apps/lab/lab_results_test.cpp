@@ -6,6 +6,8 @@
 
 #include <fstream>
 #include <limits>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <sstream>
 
 #include "apps/lab/cell_file.h"
@@ -123,6 +125,27 @@ TEST(LabResults, AnInjectedLoopDoesNotSpeakForTheRunsOwn) {
   EXPECT_EQ(judged.hypotheses.back().num_stages_passed, 5);
 }
 
+TEST(LabResults, WhereLoopsWereInjectedABackEndHasNoRanking) {
+  const auto back_end_of = [](const std::vector<FinishedCell>& cells) {
+    return evaluate_cells(cells, description(), 1).pooled[0].stages[2].result;
+  };
+  std::vector<FinishedCell> cells = finished_cells();
+  const StageResult injected = back_end_of(cells);
+  EXPECT_FALSE(injected.average_precision.value.has_value());
+  EXPECT_FALSE(injected.recall_at_full_precision.value.has_value());
+  EXPECT_FALSE(injected.expected_calibration_error.value.has_value());
+  EXPECT_FALSE(injected.brier_score.value.has_value());
+  EXPECT_FALSE(injected.curve.has_value());
+  EXPECT_TRUE(injected.precision.value.has_value());
+  for (FinishedCell& cell : cells) {
+    for (MethodResult& method : cell.result.methods)
+      std::erase_if(method.back_ends[0].loops, [](const TriedLoop& loop) { return loop.is_injected; });
+  }
+  const StageResult own = back_end_of(cells);
+  EXPECT_TRUE(own.average_precision.value.has_value());
+  EXPECT_TRUE(own.brier_score.value.has_value());
+}
+
 TEST(LabTables, TheTidyTableHasALineACellMethodAndStage) {
   const test::ScratchFolder folder;
   const LabResults results = evaluate_cells(finished_cells(), description(), 1);
@@ -145,7 +168,16 @@ TEST(LabTables, ReadersSeeSharesWithIntervals) {
   EXPECT_THAT(text, HasSubstr("# By hand"));
   EXPECT_THAT(text, HasSubstr("| synthetic, aliasing 0 | TF-IDF | 20 | 20 of 40, 50.0 % [50.0, 50.0] | 10 of 30, 33.3 % ["));
   EXPECT_THAT(text, HasSubstr("| synthetic, aliasing 0.5 | TF-IDF | map | 20 of 20 | 4 of 14 | 6.00 | 2.00 |"));
-  EXPECT_THAT(text, HasSubstr("by hand"));
+  EXPECT_THAT(text, HasSubstr("\nRecipe (synthetic, aliasing 0; synthetic, aliasing 0.5): by hand"));
+}
+
+TEST(LabTables, EachRecipeIsToldWithTheDataThatItIsOf) {
+  LabResults results = evaluate_cells(finished_cells(), description(), 1);
+  results.pooled[0].recipe = "within 10 % of 20 m";
+  results.pooled[1].recipe = "within 10 % of 52 m";
+  const std::string text = results_markdown(results, description());
+  EXPECT_THAT(text, HasSubstr("\nRecipe (synthetic, aliasing 0): within 10 % of 20 m.\n"));
+  EXPECT_THAT(text, HasSubstr("\nRecipe (synthetic, aliasing 0.5): within 10 % of 52 m.\n"));
 }
 
 TEST(LabTables, NoneOfManyIsToldWithWhatItProves) {
@@ -160,6 +192,36 @@ TEST(LabFigures, EachGroupHasItsPicture) {
   write_lab_figures(folder.path(), evaluate_cells(finished_cells(), description(), 1), description());
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "precision_recall_1.png"));
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "precision_recall_2.png"));
+}
+
+TEST(LabFigures, ASweepIsDrawnWhereAnythingPassed) {
+  const std::string name = "false_share_synthetic_tf-idf.png";
+  const auto draw = [&](const LabResults& results) {
+    const test::ScratchFolder folder;
+    write_lab_figures(folder.path(), results, description());
+    return cv::imread((folder.path() / name).string());
+  };
+  LabResults results = evaluate_cells(finished_cells(), description(), 1);
+  EXPECT_FALSE(draw(results).empty());
+  // One point alone, at either end of the sweep, is drawn there.
+  const auto forget = [](MethodRows& rows) {
+    for (StageRow& row : rows.stages) row.result.precision = {};
+  };
+  LabResults first = results, last = results;
+  forget(first.pooled[1]);
+  forget(last.pooled[0]);
+  const cv::Mat at_low = draw(first), at_high = draw(last);
+  ASSERT_FALSE(at_low.empty());
+  ASSERT_EQ(at_low.size(), at_high.size());
+  // What differs is at the left and the right edge of the plot, nowhere between.
+  cv::Mat difference;
+  cv::cvtColor(cv::Mat(at_low != at_high), difference, cv::COLOR_BGR2GRAY);
+  const cv::Mat plot = difference.rowRange(difference.rows / 4, difference.rows);
+  EXPECT_GT(cv::countNonZero(plot.colRange(0, plot.cols / 4)), 0);
+  EXPECT_GT(cv::countNonZero(plot.colRange(3 * plot.cols / 4, plot.cols)), 0);
+  EXPECT_EQ(cv::countNonZero(plot.colRange(plot.cols / 4, 3 * plot.cols / 4)), 0);
+  forget(first.pooled[0]);
+  EXPECT_TRUE(draw(first).empty()) << "nothing to draw";
 }
 
 TEST(CellFile, NumbersComeBackExactly) {

@@ -91,6 +91,24 @@ TEST_F(LabRun, AChangedDescriptionIsNoticed) {
   EXPECT_EQ(report.num_stale, 1u);
 }
 
+TEST_F(LabRun, PicturesOfAnEarlierDescriptionAreRemovedAndTheTextIsTheOneThatWasRead) {
+  run(describe("sweep: {top: [2, 5]}\nmethods: [tf-idf]\nstages: [appearance]\n"), "out");
+  const auto before = files_of("out");
+  ASSERT_TRUE(before.contains("precision_recall_2.png"));
+  ASSERT_TRUE(std::any_of(before.begin(), before.end(), [](const auto& f) { return f.first.starts_with("false_share_"); }));
+  const LabDescription lab = describe("methods: [tf-idf]\nstages: [appearance]\n");
+  const std::string text = files_of(".").at("lab.yaml");
+  folder_.write("out/mine.png", "of the user's own");
+  folder_.write("lab.yaml", "title: changed in the meantime\n");
+  run(lab, "out");
+  const auto after = files_of("out");
+  EXPECT_TRUE(after.contains("precision_recall_1.png"));
+  EXPECT_FALSE(after.contains("precision_recall_2.png"));
+  EXPECT_TRUE(std::none_of(after.begin(), after.end(), [](const auto& f) { return f.first.starts_with("false_share_"); }));
+  EXPECT_TRUE(after.contains("mine.png"));
+  EXPECT_EQ(after.at("description.yaml"), text);
+}
+
 TEST_F(LabRun, AFolderOfSomethingElseIsLeftAlone) {
   fs::create_directory(folder_.path() / "thesis");
   folder_.write("thesis/chapter1.tex", "dear reader");
