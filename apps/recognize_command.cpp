@@ -132,6 +132,9 @@ void require_fitting_options(const CLI::App& command, const RecognizeArguments& 
   for (const char* option : kFabMapOptions) {
     if (command.count(option) > 0) throw CLI::ExcludesError(option, "--method " + arguments.method);
   }
+  // Within a map nothing is recent to these.
+  if (method && !arguments.map.empty() && command.count("--window") > 0)
+    throw CLI::ExcludesError("--window", "--map and --method " + arguments.method);
 }
 
 void add_input_options(CLI::App* command, RecognizeArguments& arguments) {
@@ -201,7 +204,8 @@ void add_method_options(CLI::App* command, RecognizeArguments& arguments) {
 }
 
 void add_output_options(CLI::App* command, RecognizeArguments& arguments) {
-  command->add_option("--window", arguments.window, "how many of the latest places are left out (default: 10; with --map none)");
+  command->add_option("--window", arguments.window,
+                      "how many of the latest places are left out (default: 10; with --map none, and not for tf-idf, vlad, seqslam)");
   command->add_option("--top", arguments.options.max_matches, "how many places to list for each image")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

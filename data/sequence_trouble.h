@@ -17,7 +17,7 @@ struct SequenceTrouble {
   double blurred_frames = 0.0;   ///< Share of the frames that are out of focus,
   double blur_px = 4.0;          ///< by a Gaussian of this standard deviation.
   double exposed_frames = 0.0;   ///< Share of the frames that are exposed wrongly,
-  double exposure_stops = 2.0;   ///< by so many stops, half of the time too dark, half too light; what is too light is white.
+  double exposure_stops = 2.0;   ///< by so many stops, too dark or too light by a coin toss; what is too light is white.
   double occluded_frames = 0.0;  ///< Share of the frames of which a rectangle is covered,
   double occluded_area = 0.3;    ///< which is this share of the picture.
   double focal_error = 0.0;      ///< Wrong calibration: the focal lengths are told too long by this share (negative: too short).

@@ -56,7 +56,7 @@ void write_lines(std::ostream& out, const MethodRows& rows, const LabDescription
   }
 }
 
-Json optional_json(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+Json json_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
 Json figure_json(const EstimatedFigure& figure) {
   if (!figure.value) return nullptr;
@@ -85,8 +85,8 @@ Json stage_json(const MethodRows& rows, const StageRow& row) {
       {"passed", {{"true", row.result.num_true}, {"false", row.result.num_false}, {"unjudged", row.result.num_unjudged}}}};
   for (const StageFigure& named : stage_figures()) json[std::string(named.name)] = figure_json(row.result.*named.figure);
   for (const RecallAt& at : row.result.recall_at) json["recall_at"][std::to_string(at.k)] = at.recall;
-  json["odometry_ate_m"] = optional_json(rows.odometry_ate_m);
-  json["ate_m"] = optional_json(row.ate_m);
+  json["odometry_ate_m"] = json_or_null(rows.odometry_ate_m);
+  json["ate_m"] = json_or_null(row.ate_m);
   if (row.result.curve) {
     for (const PrecisionRecallPoint& point : row.result.curve->points) json["curve"].push_back({point.precision, point.recall});
   }

@@ -29,8 +29,9 @@ using DifferenceRows = std::vector<std::vector<float>>;
 /// images of each query and all places that there were, the queries in their order. Within each row, a difference is compared
 /// with those of the places around (eq. 2: less their mean, over their standard deviation); a score is minus the least mean of
 /// such numbers along straight lines of the possible speeds that end at query and place. Minus infinity where no such line fits:
-/// for the first `length` - 1 queries and places. Only the same direction of travel is looked for, as in the paper. One row a
-/// query, as long as its differences. Throws InputError for options that make no sense.
+/// for the first `length` - 1 queries, and for the first round(`min_speed` * (`length` - 1)) places. Only the same direction of
+/// travel is looked for, as in the paper. One row a query, as long as its differences. Throws InputError for options that make no
+/// sense.
 std::vector<std::vector<double>> sequence_scores(const DifferenceRows& differences, const SequenceMatchingOptions& options = {});
 
 }  // namespace fabloop

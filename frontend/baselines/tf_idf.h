@@ -25,9 +25,9 @@ std::vector<double> inverse_document_frequencies(const ChowLiuTree& tree);
 /// feature, in any order, each below the size of `idf`.
 BagOfWords tf_idf_bag(std::vector<WordId> words, const std::vector<double>& idf);
 
-/// How alike two bags are, in [0, 1]: 1 - |v / |v| - w / |w||_1 / 2 (Galvez-Lopez & Tardos, Bags of Binary Words, T-RO 2012,
-/// eq. 1: the L1 score of DBoW2). Zero where either is empty. Without that paper's normalisation by the image before, its direct
-/// index and its islands.
+/// How alike two bags are, in [0, 1]: 1 - |v / |v| - w / |w||_1 / 2 (Galvez-Lopez & Tardos, Bags of Binary Words, T-RO 2012: the
+/// L1 score of DBoW2). Zero where either is empty. Without that paper's normalisation by the image before, its direct index and its
+/// islands.
 double l1_score(const BagOfWords& v, const BagOfWords& w);
 
 }  // namespace fabloop

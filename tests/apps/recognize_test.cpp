@@ -227,6 +227,8 @@ TEST_F(Recognize, WrongUsageIsTold) {
   EXPECT_EQ(recognize({"--method", "vlad", "--p-new", "0.5"}).exit_code, 2) << "VLAD does not know new places";
   EXPECT_EQ(run_fabloop({"recognize", sequence_.string(), "--out", run().string(), "--method", "vlad"}).exit_code, 2)
       << "no model";
+  EXPECT_EQ(recognize({"--method", "vlad", "--map", sequence_.string(), "--window", "3"}).exit_code, 2)
+      << "VLAD leaves out no place of a map";
   EXPECT_EQ(recognize({"--engine", "steam"}).exit_code, 2);
   EXPECT_EQ(recognize({"--p-new", "1.5"}).exit_code, 2);
   EXPECT_EQ(recognize({"--every", "0"}).exit_code, 2);
