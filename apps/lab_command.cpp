@@ -4,10 +4,9 @@
 #include <string>
 
 #include "apps/command.h"
+#include "apps/lab/lab_run.h"
 #include "apps/progress_bar.h"
 #include "apps/run_report.h"
-#include "frontend/error.h"
-#include "apps/lab/lab_run.h"
 
 namespace fabloop::apps {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "verification/chi_square.h"
+#include "posegraph/loop_withdrawal.h"
 #include "verification/median.h"
 
 namespace fabloop {
@@ -172,9 +172,7 @@ Map Mapper::finish() {
   std::size_t loop = 0;
   for (std::size_t i = 0; i < map_.graph.edges.size(); ++i) {
     const bool is_loop = map_.graph.edges[i].kind == EdgeKind::Loop;
-    const int degrees_of_freedom = map_.graph.edges[i].has_scale ? 6 : 5;
-    const bool contradicts = is_loop && options_.max_loop_surprise < 1.0 &&
-                             map_.report.edges[i].chi2 > chi_square_quantile(options_.max_loop_surprise, degrees_of_freedom);
+    const bool contradicts = contradicts_map(map_.graph.edges[i], map_.report.edges[i].chi2, options_.max_loop_surprise);
     if (contradicts) outcome_of(loops_[loop]).verification.verdict = Verdict::ContradictsMap;
     if (!contradicts) kept.push_back(map_.graph.edges[i]);
     if (!contradicts && is_loop) kept_loops.push_back(loops_[loop]);

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "posegraph/loop_withdrawal.h"
 #include "posegraph/robust/false_loops.h"
 #include "posegraph/robust/robust_optimize.h"
 #include "posegraph/robust/session_alignment.h"
 #include "posegraph/trajectory_error.h"
-#include "verification/chi_square.h"
 #include "verification/verdict.h"
 
 namespace fabloop {
@@ -35,10 +35,8 @@ std::vector<bool> withdraw_as_mapper(PoseGraph& graph, const MapperOptions& opti
   PoseGraph rest = graph;
   rest.edges.clear();
   for (std::size_t e = 0; e < graph.edges.size(); ++e) {
-    const Edge& edge = graph.edges[e];
-    const double most = chi_square_quantile(options.max_loop_surprise, edge.has_scale ? 6 : 5);
-    is_kept[e] = edge.kind != EdgeKind::Loop || report.edges[e].chi2 <= most;
-    if (is_kept[e]) rest.edges.push_back(edge);
+    is_kept[e] = !contradicts_map(graph.edges[e], report.edges[e].chi2, options.max_loop_surprise);
+    if (is_kept[e]) rest.edges.push_back(graph.edges[e]);
   }
   if (rest.edges.size() < graph.edges.size()) optimize(rest, options.optimize);
   graph.vertices = std::move(rest.vertices);
