@@ -29,7 +29,7 @@ struct MapArguments {
   std::string odometry, reference, camera, model, out;
   std::string earlier_map, save_map;
   FeatureArguments features;
-  std::string new_place = "mean-field";
+  std::string new_place = "mean-field", match_by = "features";
   double max_time_difference_s = 0.01;
   bool strict = false;
   bool overwrite = false;
@@ -157,6 +157,7 @@ void run_map(MapArguments& arguments, const CommonOptions& common) {
   options.features = features_to_extract(arguments, model);
   options.mapper.loops.recognizer.new_place =
       arguments.new_place == "sampled" ? NewPlaceModel::Sampled : NewPlaceModel::MeanField;
+  options.mapper.loops.verifier.match_by = arguments.match_by == "words" ? MatchBy::Words : MatchBy::Features;
   options.if_damaged = arguments.strict ? IfDamaged::Refuse : IfDamaged::Skip;
   options.num_threads = common.num_threads;
   options.warn = make_warn(common);
@@ -236,6 +237,16 @@ void add_method_options(CLI::App* command, MapArguments& arguments) {
   command
       ->add_option("--confirm", loops.consistency.num_required,
                    "believe a loop only when those of so many other images in a row agree with it; 0: at once")
+      ->capture_default_str();
+  command
+      ->add_option("--match-by", arguments.match_by,
+                   "features: compare all of two images; words: those of one visual word, which is faster and misses some loops")
+      ->check(CLI::IsMember({"features", "words"}))
+      ->capture_default_str();
+  command
+      ->add_option("--keyframe-windows", loops.window_size,
+                   "a loop whose length no depth tells gets it from so many images around either side; 0: none does")
+      ->check(CLI::Range(0, 20))
       ->capture_default_str();
   command->add_option("--seed", options.seed, "another number: other samples")->capture_default_str();
 }

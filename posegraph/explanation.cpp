@@ -92,6 +92,7 @@ Verification verification_of(const LedgerTable& ledger, const LedgerRow& row) {
   found.num_inliers = count_of("inliers");
   found.num_true = number_of("true_inliers");
   found.num_point_inliers = count_of("point_inliers");
+  found.num_window_inliers = count_of("window_inliers");
   found.log10_false_alarms = number_of("log10_false_alarms");
   found.inlier_area = number_of("inlier_area");
   found.inlier_cells = number_of("inlier_cells");

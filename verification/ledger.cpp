@@ -56,6 +56,7 @@ void for_each_column(const LoopEvent& event, std::size_t index, const Hypothesis
   visit("map_chi2", outcome.map_chi2.value_or(std::numeric_limits<double>::quiet_NaN()));
   visit("map_weight", outcome.map_weight.value_or(std::numeric_limits<double>::quiet_NaN()));
   visit("looks", v.num_looks);
+  visit("window_inliers", v.num_window_inliers);
 }
 
 /// As many digits as it takes to get the same number back.

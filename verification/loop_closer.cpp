@@ -51,6 +51,10 @@ LoopCloser::LoopCloser(const Camera& camera, const Model& model, const LoopClose
   map_.model_hash = model_hash(model);
   for (std::size_t i = 0; i < map_.keyframes.size(); ++i) {
     add_place(map_.keyframes[i].words, i > 0 && map_.keyframes[i].session == map_.keyframes[i - 1].session);
+    if (options.verifier.match_by == MatchBy::Words) {
+      View& view = map_.keyframes[i].view;
+      view.words = words_.nearest_words(view.features.descriptors);  // map files do not keep them
+    }
   }
   num_earlier_ = map_.keyframes.size();
   map_.sessions.push_back({camera, options.body_from_camera});
@@ -90,8 +94,10 @@ MapKeyframe LoopCloser::look_at(const Keyframe& keyframe, LoopCloserTimes& times
   seen.odom_from_body = {keyframe.odom_from_body.rotation.normalized(), keyframe.odom_from_body.translation};
   seen.step_covariance = keyframe.step_covariance;
   const Stopwatch watch(times.words_s);
-  seen.words = words_.observe(features.descriptors);
+  std::vector<WordId> words = words_.nearest_words(features.descriptors);
+  seen.words = observation_of(words);
   seen.view = view_of(keyframe, map_.sessions.back().camera, std::move(features), options_.point_sigma);
+  if (options_.verifier.match_by == MatchBy::Words) seen.view.words = std::move(words);
   return seen;
 }
 
@@ -126,7 +132,8 @@ std::vector<Hypothesis> LoopCloser::proposed() const {
   for (const Hypothesis& hypothesis : hypotheses) {
     if (hypothesis.place >= map_.keyframes.size() || !(hypothesis.probability >= 0.0 && hypothesis.probability <= 1.0)) {
       throw InputError("a proposed place is no earlier keyframe, or its probability is none: place " +
-                       std::to_string(hypothesis.place) + " for the keyframe at position " + std::to_string(map_.keyframes.size()));
+                       std::to_string(hypothesis.place) + " for the keyframe at position " +
+                       std::to_string(map_.keyframes.size()));
     }
     if (!named.insert(hypothesis.place).second) {
       throw InputError("a place is proposed twice, and its loop would count twice: place " + std::to_string(hypothesis.place) +
@@ -181,6 +188,39 @@ void LoopCloser::verify(const std::vector<Hypothesis>& hypotheses, LoopEvent& ev
                            verifier_.verify(map_.keyframes.back().view, match.view,
                                             {odometry_prior(hypotheses[i].place), hypotheses[i].probability})};
   });
+  if (options_.window_size > 1) ask_windows_for_scale(hypotheses, event);
+}
+
+void LoopCloser::ask_windows_for_scale(const std::vector<Hypothesis>& hypotheses, LoopEvent& event) const {
+  std::vector<std::size_t> asked;
+  for (std::size_t i = 0; i < hypotheses.size(); ++i) {
+    const Verification& found = event.hypotheses[i].verification;
+    if (found.verdict == Verdict::Accepted && !found.has_scale) asked.push_back(i);
+  }
+  if (asked.empty()) return;
+  const std::vector<WindowView> query = window_around(map_.keyframes.size() - 1);
+  parallel_for(asked.size(), options_.num_threads, [&](std::size_t i) {
+    Verification& found = event.hypotheses[asked[i]].verification;
+    auto scaled = scale_by_windows(found, query, window_around(hypotheses[asked[i]].place), options_.window, options_.verifier);
+    if (scaled) found = *std::move(scaled);
+  });
+}
+
+std::vector<WindowView> LoopCloser::window_around(std::size_t position) const {
+  const std::size_t session = map_.keyframes[position].session;
+  const auto is_of_session = [&](std::size_t i) { return map_.keyframes[i].session == session; };
+  std::size_t end = position + 1, begin = position;
+  for (std::size_t i = 0; i < options_.window_size / 2 && end < map_.keyframes.size() && is_of_session(end); ++i) ++end;
+  while (begin > 0 && end - begin < options_.window_size && is_of_session(begin - 1)) --begin;
+  const Pose& body_from_camera = map_.sessions[session].body_from_camera;
+  const Pose window_from_odom = (map_.keyframes[position].odom_from_body * body_from_camera).inverse();
+  std::vector<WindowView> window;
+  for (std::size_t i = begin; i < end; ++i) {
+    window.push_back({&map_.keyframes[i].view, window_from_odom * map_.keyframes[i].odom_from_body * body_from_camera});
+  }
+  NeighbourOptions options = options_.neighbour;
+  options.seed = options_.verifier.seed;
+  return refine_window(window, position - begin, options).views;
 }
 
 std::optional<PosePrior> LoopCloser::odometry_prior(std::size_t match) const {

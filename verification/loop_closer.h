@@ -24,11 +24,13 @@
 #include "verification/neighbour.h"
 #include "verification/temporal_consistency.h"
 #include "verification/verifier.h"
+#include "verification/window_scale.h"
 
 namespace fabloop {
 
-/// Which places the keyframe at position `current` of the map may show, the best first: another recogniser in FAB-MAP's place. Places
-/// are earlier positions, each named once, a probability (of the place given the image) in [0, 1]; where none is known, 0.5.
+/// Which places the keyframe at position `current` of the map may show, the best first: another recogniser in FAB-MAP's place.
+/// Places are earlier positions, each named once, a probability (of the place given the image) in [0, 1]; where none is known,
+/// 0.5.
 using ProposePlaces = std::function<std::vector<Hypothesis>(std::size_t current)>;
 
 struct LoopCloserOptions {
@@ -49,6 +51,10 @@ struct LoopCloserOptions {
   std::size_t num_neighbours = 3;
   /// How many keyframes back to look for them: more for slow or high-rate cameras.
   std::size_t max_neighbour_distance = 16;
+  /// A loop without a length gets the one that so many keyframes around either side tell, the latest ones around the query. For
+  /// hosts without depth whose steps are too short for points. It costs the square of this many comparisons a loop. 0, 1: never.
+  std::size_t window_size = 0;
+  WindowOptions window;
   int num_threads = 0;  ///< Hypotheses of one keyframe are verified in parallel; the result does not depend on it.
   Warn warn{};          ///< Told when keyframes look unlike the images that the model was trained on; see DomainCheck.
 };
@@ -76,6 +82,9 @@ class LoopCloser {
   void remember(MapKeyframe keyframe, Belief belief);
   void link_to_earlier(LoopEvent& event);
   void verify(const std::vector<Hypothesis>& hypotheses, LoopEvent& event) const;
+  void ask_windows_for_scale(const std::vector<Hypothesis>& hypotheses, LoopEvent& event) const;
+  /// The cameras of the keyframes of one session around a position of the map, in the frame of that one, their steps refined.
+  std::vector<WindowView> window_around(std::size_t position) const;
   /// What the odometry says of the pose of the last keyframe's camera in that of an earlier one, where it says anything.
   std::optional<PosePrior> odometry_prior(std::size_t match) const;
   void hand_out_loops(LoopEvent& event);

@@ -69,6 +69,9 @@ void add_gates(const Verification& found, const VerifierOptions& options, Figure
   if (found.num_point_inliers > 0) {
     list.add("point_inliers", "known points that agree with the pose", true, found.num_point_inliers);
   }
+  if (found.num_window_inliers > 0) {
+    list.add("window_inliers", "matches of the windows of keyframes that told the distance", true, found.num_window_inliers);
+  }
   list.add("baseline_to_depth", "distance of the views over the depth of the scene", is_decided, found.baseline_to_depth);
   list.add("parallax_deg", "median angle between the inliers' rays", has_pose, found.median_parallax_deg);
   list.add("p_true", "probability that the loop is right", has_pose, found.p_true, Wanted::AtLeast, options.min_probability);

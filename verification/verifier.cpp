@@ -16,6 +16,7 @@
 #include "verification/pair_seed.h"
 #include "verification/ray_pairs.h"
 #include "verification/relative_pose.h"
+#include "verification/word_matching.h"
 
 namespace fabloop {
 namespace {
@@ -30,6 +31,17 @@ LoopEvidence evidence_of(const Verification& found, const PairPrior& prior) {
   evidence.squared_distance = squared_distance(pose, *prior.pose);
   evidence.degrees_of_freedom = found.has_scale ? 6 : 5;
   return evidence;
+}
+
+bool has_words(const View& view) { return view.words.size() == view.features.keypoints.size(); }
+
+/// Of the first features of two views, which have the first of the views' words.
+std::vector<Match> match_words(const View& query, const Features& query_first, const View& match, const Features& match_first,
+                               const VerifierOptions& options) {
+  WordMatchingOptions of_words = options.word_matching;
+  of_words.matching = options.matching;
+  return match_shared_words(query_first, std::span(query.words).first(query_first.keypoints.size()), match_first,
+                            std::span(match.words).first(match_first.keypoints.size()), of_words);
 }
 
 /// The gates that the matches of a pair pass, in their order; the first that fails names the verdict.
@@ -203,7 +215,9 @@ Verification Verifier::verify(const View& query, const View& match, const PairPr
   const SecondLook& look = options_.second_look;
   const Features query_first = first_features(query.features, look.num_first_features);
   const Features match_first = first_features(match.features, look.num_first_features);
-  const std::vector<Match> matches = match_features(query_first, match_first, options_.matching);
+  const std::vector<Match> matches = options_.match_by == MatchBy::Words && has_words(query) && has_words(match)
+                                         ? match_words(query, query_first, match, match_first, options_)
+                                         : match_features(query_first, match_first, options_.matching);
   Verification first = Gates(query, match, matches, {}, prior, options_).pass();
   if (first.verdict == Verdict::Accepted) return first;
   if (largest_similar_group(query_first, match_first, matches, look.similar) < look.min_similar) return first;

@@ -17,6 +17,7 @@
 #include "verification/similar_group.h"
 #include "verification/verdict.h"
 #include "verification/view.h"
+#include "verification/word_matching.h"
 
 namespace fabloop {
 
@@ -29,7 +30,15 @@ struct SecondLook {
   SimilarGroupOptions similar;
 };
 
+/// Which features of two views are compared in the first look.
+enum class MatchBy {
+  Features,  ///< All with all.
+  Words,     ///< Those of one word: see word_matching.h. For many features and many hypotheses a frame: some loops are missed.
+};
+
 struct VerifierOptions {
+  MatchBy match_by = MatchBy::Features;  ///< Words only where both views name the words of their features; Features elsewhere.
+  WordMatchingOptions word_matching;     ///< Its `matching` is the one below.
   MatchingOptions matching;
   SecondLook second_look;
   /// Which matches turn and grow alike: accidents seldom do.
@@ -81,6 +90,7 @@ struct Verification {
   int num_inliers = 0;                ///< Epipolar.
   double num_true = 0;                ///< Expected number of true ones among them; see inlier_noise.h.
   int num_point_inliers = 0;          ///< Of the metric pose.
+  int num_window_inliers = 0;         ///< Of the windows that told the pose's length; see window_scale.h.
   double log10_false_alarms = 0;      ///< See evidence.h.
   double inlier_area = 0;             ///< Share of the image inside the inliers' convex hull, the smaller of both images.
   double inlier_cells = 0;            ///< Share of the cells of a grid that hold an inlier, the smaller of both images.

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "frontend/fabmap/observation.h"
 #include "frontend/features/features.h"
 #include "frontend/geometry/camera.h"
 
@@ -22,6 +23,7 @@ struct View {
   /// is a plane (see plane_scale.h).
   std::optional<double> height_above_ground{};
   std::vector<double> point_weights;  ///< N, of the points as measured so far; see add_point_measurement().
+  std::vector<WordId> words{};        ///< N, the word of each feature; empty where nobody asks for them (see MatchBy).
 };
 
 /// A view without points.

@@ -16,20 +16,13 @@
 namespace fabloop {
 namespace {
 
+using testing_support::close_loops;
 using testing_support::keyframe_of;
 using testing_support::make_walk;
 using testing_support::test_camera;
 using testing_support::text_of;
 using testing_support::Walk;
 using testing_support::walk_options;
-
-std::vector<LoopEvent> close_loops(const Walk& walk, const LoopCloserOptions& options) {
-  LoopCloser closer(test_camera(), walk.model, options);
-  std::vector<LoopEvent> events;
-  for (std::size_t i = 0; i < walk.features.size(); ++i) events.push_back(closer.add_keyframe(keyframe_of(walk, i)));
-  EXPECT_EQ(closer.map().keyframes.size(), walk.features.size());
-  return events;
-}
 
 TEST(LoopCloser, FindsTheRevisitWithItsPose) {
   const Walk walk = make_walk();

@@ -16,6 +16,12 @@ TEST(LoopProbability, ManyInliersOutweighAnUnlikelyAppearance) {
   EXPECT_GT(loop_probability({.p_appearance = 1e-6, .log10_false_alarms = -40}), 0.999);
 }
 
+TEST(LoopProbability, ThatAnotherPlaceTookThePosteriorSaysLittle) {
+  const auto odds = [](double p) { return p / (1 - p); };
+  const double undecided = odds(loop_probability({.p_appearance = 0.5, .log10_false_alarms = -6}));
+  EXPECT_GT(odds(loop_probability({.p_appearance = 1e-12, .log10_false_alarms = -6})), undecided / 5);
+}
+
 TEST(LoopProbability, AnAccidentIsImprobable) { EXPECT_LT(loop_probability({.log10_false_alarms = 3}), 0.1); }
 
 TEST(LoopProbability, AgreementWithOdometryNeverRaisesIt) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tests/verification/walk_world.h"
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <random>
 
@@ -97,6 +99,14 @@ LoopCloserOptions walk_options() {
   options.hypotheses.max_hypotheses = 2;
   options.num_threads = 1;
   return options;
+}
+
+std::vector<LoopEvent> close_loops(const Walk& walk, const LoopCloserOptions& options) {
+  LoopCloser closer(test_camera(), walk.model, options);
+  std::vector<LoopEvent> events;
+  for (std::size_t i = 0; i < walk.features.size(); ++i) events.push_back(closer.add_keyframe(keyframe_of(walk, i)));
+  EXPECT_EQ(closer.map().keyframes.size(), walk.features.size());
+  return events;
 }
 
 }  // namespace fabloop::testing_support

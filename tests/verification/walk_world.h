@@ -35,6 +35,9 @@ Walk make_walk(const WalkOptions& options = {});
 /// Frame i of a walk as a keyframe with the true odometry. Hosts number keyframes as they like: this one from 100, a second each.
 Keyframe keyframe_of(const Walk& walk, std::size_t i);
 
+/// What a loop closer says of every keyframe of a walk.
+std::vector<LoopEvent> close_loops(const Walk& walk, const LoopCloserOptions& options);
+
 /// A loop closer's for a walk: two hypotheses a keyframe, none among the last ten, one thread.
 LoopCloserOptions walk_options();
 
