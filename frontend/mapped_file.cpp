@@ -59,7 +59,7 @@ class Descriptor {
 
 #else
 
-constexpr std::align_val_t kAlignment{64};
+constexpr std::align_val_t kMappedAlignment{64};
 
 #endif
 
@@ -91,14 +91,14 @@ MappedFile::MappedFile(const std::filesystem::path& path) {
   size_ = static_cast<std::size_t>(std::filesystem::file_size(path, error));
   if (error || !file) fail(path);
   if (size_ == 0) return;
-  data_ = static_cast<std::byte*>(::operator new(size_, kAlignment));
+  data_ = static_cast<std::byte*>(::operator new(size_, kMappedAlignment));
   file.read(reinterpret_cast<char*>(data_), static_cast<std::streamsize>(size_));
   if (file) return;
-  ::operator delete(data_, kAlignment);
+  ::operator delete(data_, kMappedAlignment);
   fail(path);
 }
 
-MappedFile::~MappedFile() { ::operator delete(data_, kAlignment); }
+MappedFile::~MappedFile() { ::operator delete(data_, kMappedAlignment); }
 
 #endif
 

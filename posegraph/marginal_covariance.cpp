@@ -15,7 +15,7 @@
 namespace fabloop {
 namespace {
 
-constexpr std::size_t kHeld = std::numeric_limits<std::size_t>::max();
+constexpr std::size_t kHeldVertex = std::numeric_limits<std::size_t>::max();
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -80,7 +80,7 @@ SparseMatrix information_of(const PoseGraph& graph, const std::vector<std::size_
     const std::array<std::size_t, 2> columns = {column[edge.from], column[edge.to]};
     for (std::size_t a = 0; a < 2; ++a) {
       for (std::size_t b = 0; b < 2; ++b) {
-        if (columns[a] == kHeld || columns[b] == kHeld) continue;
+        if (columns[a] == kHeldVertex || columns[b] == kHeldVertex) continue;
         const Eigen::MatrixXd block = results[e].weight * by_end[a].transpose() * by_end[b];
         for (Eigen::Index row = 0; row < block.rows(); ++row) {
           for (Eigen::Index col = 0; col < block.cols(); ++col) {
@@ -111,7 +111,7 @@ Eigen::MatrixXd marginal_covariance(const PoseGraph& graph, const std::vector<st
   Eigen::Index size = 0;
   for (std::size_t v = 0; v < column.size(); ++v) {
     const bool is_held = std::binary_search(anchors.begin(), anchors.end(), v);
-    column[v] = is_held ? kHeld : static_cast<std::size_t>(size);
+    column[v] = is_held ? kHeldVertex : static_cast<std::size_t>(size);
     if (!is_held) size += width;
   }
   const auto num_asked = static_cast<Eigen::Index>(vertices.size());
@@ -128,13 +128,13 @@ Eigen::MatrixXd marginal_covariance(const PoseGraph& graph, const std::vector<st
   const Eigen::Index* const place = graph.dimension == 2 ? kPlanar.data() : kSpatial.data();
   for (Eigen::Index b = 0; b < num_asked; ++b) {
     const std::size_t column_b = column[vertices[static_cast<std::size_t>(b)]];
-    if (column_b == kHeld) continue;
+    if (column_b == kHeldVertex) continue;
     Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(size, width);
     unit.middleRows(static_cast<Eigen::Index>(column_b), width).setIdentity();
     const Eigen::MatrixXd columns = cholesky.solve(unit);
     for (Eigen::Index a = 0; a < num_asked; ++a) {
       const std::size_t column_a = column[vertices[static_cast<std::size_t>(a)]];
-      if (column_a == kHeld) continue;
+      if (column_a == kHeldVertex) continue;
       for (Eigen::Index row = 0; row < width; ++row) {
         for (Eigen::Index col = 0; col < width; ++col) {
           result(6 * a + place[row], 6 * b + place[col]) = columns(static_cast<Eigen::Index>(column_a) + row, col);

@@ -10,6 +10,8 @@
 
 #include "frontend/parallel.h"
 #include "posegraph/describe_sequence.h"
+#include "verification/keyframe_map.h"
+#include "verification/uncertain_pose.h"
 
 namespace fabloop {
 namespace {
@@ -22,6 +24,19 @@ struct SurveyedView {
   View view;
 };
 
+/// What the odometry says of the way between two views, over those between them.
+UncertainPose odometry_of(std::size_t earlier, std::size_t current, const std::vector<View>& views, const Sequence& sequence) {
+  UncertainPose earlier_from_view;
+  Pose world_from_last = *sequence.frames[views[earlier].frame].odom_from_camera;
+  for (std::size_t i = earlier + 1; i <= current; ++i) {
+    const auto& world_from_view = sequence.frames[views[i].frame].odom_from_camera;
+    if (!world_from_view) continue;
+    earlier_from_view = earlier_from_view * uncertain_step(world_from_last.inverse() * *world_from_view);
+    world_from_last = *world_from_view;
+  }
+  return earlier_from_view;
+}
+
 /// The neighbours of one view, as LoopCloser sees them keyframe by keyframe; RecentNeighbour::recent is the view's index.
 std::vector<RecentNeighbour> neighbours_of(std::size_t current, const std::vector<View>& views, const Sequence& sequence,
                                            const PairSurveyOptions& options) {
@@ -33,7 +48,8 @@ std::vector<RecentNeighbour> neighbours_of(std::size_t current, const std::vecto
     const View& earlier = views[current - distance];
     const auto& world_from_earlier = sequence.frames[earlier.frame].odom_from_camera;
     if (!world_from_earlier) continue;
-    recent.push_back({&earlier, world_from_earlier->inverse() * *world_from_current});
+    const UncertainPose odometry = odometry_of(current - distance, current, views, sequence);
+    recent.push_back({&earlier, odometry.pose, relative_distance_sigma(odometry)});
     indices.push_back(current - distance);
   }
   NeighbourOptions neighbour = options.neighbour;

@@ -21,13 +21,13 @@ bool is_usable(const Similarity& similarity) {
 }
 
 /// Part of the largest weight that an edge has at least, so that a vertex joined by edges without information has a scale.
-constexpr double kMinRelativeWeight = 1e-9;
+constexpr double kMinRelativeScaleWeight = 1e-9;
 
 std::vector<double> weights_of_scale(const SimilarityGraph& graph) {
   std::vector<double> weights;
   for (const SimilarityEdge& edge : graph.edges) weights.push_back(std::max(0.0, edge.information(6, 6)));
   const double largest = weights.empty() ? 0.0 : *std::max_element(weights.begin(), weights.end());
-  for (double& weight : weights) weight = largest > 0.0 ? std::max(weight, kMinRelativeWeight * largest) : 1.0;
+  for (double& weight : weights) weight = largest > 0.0 ? std::max(weight, kMinRelativeScaleWeight * largest) : 1.0;
   return weights;
 }
 

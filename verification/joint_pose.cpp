@@ -20,7 +20,7 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 /// Below this distance, as a share of the depth, the rays' epipolar planes are undefined and only the points count.
 constexpr double kMinBaseline = 0.01;
 /// A pixel's noise over a focal length is never smaller than this.
-constexpr double kMinSigmaRad = 1e-6;
+constexpr double kMinJointSigmaRad = 1e-6;
 
 /// A residual vector with its derivative by (translation, rotation) in the query's axes.
 template <int kRows>
@@ -63,13 +63,13 @@ Residual<2> query_point_residual(const PointRay& datum, const Pose& match_from_q
 /// Which data count, and how much.
 struct Active {
   std::vector<std::size_t> pairs, match_points, query_points;
-  double ray_sigma_rad = kMinSigmaRad, point_sigma_rad = kMinSigmaRad;
+  double ray_sigma_rad = kMinJointSigmaRad, point_sigma_rad = kMinJointSigmaRad;
 };
 
 struct Scatter {
   double sum = 0;
   double count = 0;
-  double sigma() const { return std::max(kMinSigmaRad, std::sqrt(sum / std::max(1.0, count))); }
+  double sigma() const { return std::max(kMinJointSigmaRad, std::sqrt(sum / std::max(1.0, count))); }
 };
 
 template <typename Data, typename ResidualOf>

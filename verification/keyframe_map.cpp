@@ -11,19 +11,20 @@ namespace {
 /// The step that ends at a keyframe.
 UncertainPose step_to(const KeyframeMap& map, std::size_t place, const OdometryStepNoise& noise) {
   const MapKeyframe& keyframe = map.keyframes[place];
-  UncertainPose step{map.keyframes[place - 1].odom_from_body.inverse() * keyframe.odom_from_body};
-  if (keyframe.step_covariance) {
-    step.covariance = *keyframe.step_covariance;
-    return step;
-  }
-  const double translation_sigma = noise.translation * step.pose.translation.norm();
+  const Pose step = map.keyframes[place - 1].odom_from_body.inverse() * keyframe.odom_from_body;
+  return keyframe.step_covariance ? UncertainPose{step, *keyframe.step_covariance} : uncertain_step(step, noise);
+}
+
+}  // namespace
+
+UncertainPose uncertain_step(const Pose& a_from_b, const OdometryStepNoise& noise) {
+  UncertainPose step{a_from_b};
+  const double translation_sigma = noise.translation * a_from_b.translation.norm();
   const double rotation_sigma = rad_from_deg(noise.rotation_deg);
   step.covariance.diagonal().head<3>().setConstant(translation_sigma * translation_sigma);
   step.covariance.diagonal().tail<3>().setConstant(rotation_sigma * rotation_sigma);
   return step;
 }
-
-}  // namespace
 
 std::size_t position_of(const KeyframeMap& map, std::size_t session, std::size_t frame) {
   const auto comes_before = [](const MapKeyframe& keyframe, const std::pair<std::size_t, std::size_t>& sought) {

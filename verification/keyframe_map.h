@@ -48,6 +48,9 @@ struct OdometryStepNoise {
   double translation = 0.05;  ///< Each axis, as a share of the step's length.
 };
 
+/// A step of an odometry whose host gives no covariance.
+UncertainPose uncertain_step(const Pose& a_from_b, const OdometryStepNoise& noise = {});
+
 /// a_from_b of two keyframes of one session, by the odometry: bodies, with what the steps between them are uncertain by.
 /// `a` and `b` are positions in the map.
 UncertainPose odometry_between(const KeyframeMap& map, std::size_t a, std::size_t b, const OdometryStepNoise& noise = {});

@@ -165,7 +165,8 @@ void LoopCloser::link_to_earlier(LoopEvent& event) {
   std::vector<std::size_t> keyframes;
   for (std::size_t distance = 1; distance <= options_.max_neighbour_distance && distance < num_of_this_session(); distance *= 2) {
     const MapKeyframe& earlier = map_.keyframes[current - distance];
-    recent.push_back({&earlier.view, (earlier.odom_from_body * options_.body_from_camera).inverse() * odom_from_camera});
+    recent.push_back({&earlier.view, (earlier.odom_from_body * options_.body_from_camera).inverse() * odom_from_camera,
+                      relative_distance_sigma(odometry_between(map_, current - distance, current, options_.odometry))});
     keyframes.push_back(current - distance);
   }
   NeighbourOptions options = options_.neighbour;

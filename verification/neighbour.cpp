@@ -93,6 +93,10 @@ std::optional<NeighbourLink> link_neighbours(View& previous, View& current, cons
 
 std::vector<RecentNeighbour> see_recent(std::span<const RecentView> recent, const View& current, std::size_t max_links,
                                         const NeighbourOptions& options, int num_threads) {
+  // Of steps alike, whose relative error never grows while the camera goes straight on.
+  constexpr double kAsWell = 1.2;
+  const double max_distance_sigma =
+      std::max(options.max_distance_sigma, recent.empty() ? 0.0 : kAsWell * recent.front().distance_sigma);
   std::vector<RecentNeighbour> found;
   std::size_t next = 0;
   while (found.size() < max_links && next < recent.size()) {
@@ -103,7 +107,12 @@ std::vector<RecentNeighbour> see_recent(std::span<const RecentView> recent, cons
       seen[i] = see_neighbour(*earlier.view, current, earlier.recent_from_current, options);
     });
     for (std::size_t i = 0; i < seen.size(); ++i) {
-      if (seen[i]) found.push_back({next + i, std::move(*seen[i])});
+      if (!seen[i]) continue;
+      if (recent[next + i].distance_sigma > max_distance_sigma) {
+        seen[i]->points.clear();
+        seen[i]->link.num_points = 0;
+      }
+      found.push_back({next + i, std::move(*seen[i])});
     }
     next += seen.size();
   }

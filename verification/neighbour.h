@@ -24,6 +24,9 @@ struct NeighbourOptions {
   double max_rotation_error_deg = 10.0;
   double max_direction_error_deg = 25.0;
   double min_parallax_deg = 1.0;  ///< Below it (hovering) the direction and all depths are noise.
+  /// Views whose distance the odometry tells less well, relative, get no depths from one another: after a turn the way between
+  /// them is long and its errors are large against the distance. But as well as the nearest view's always suffices.
+  double max_distance_sigma = 0.06;
   int max_iterations = 1500;
   std::uint64_t seed = 0;
 };
@@ -71,6 +74,7 @@ std::optional<NeighbourLink> link_neighbours(View& previous, View& current, cons
 struct RecentView {
   const View* view = nullptr;
   Pose recent_from_current;
+  double distance_sigma = 0;  ///< Of the odometry: relative_distance_sigma().
 };
 
 /// One of them that the images relate to the current view.
@@ -79,7 +83,8 @@ struct RecentNeighbour {
   SeenNeighbour seen;
 };
 
-/// The first `max_links` of the recent views, in their order, that the images relate to the current one. On up to `num_threads`
+/// The first `max_links` of the recent views, nearest first, that the images relate to the current one; those whose distance is
+/// not known well enough (NeighbourOptions::max_distance_sigma) without points. On up to `num_threads`
 /// threads (0: all), without effect on the result.
 std::vector<RecentNeighbour> see_recent(std::span<const RecentView> recent, const View& current, std::size_t max_links,
                                         const NeighbourOptions& options = {}, int num_threads = 1);

@@ -2,6 +2,9 @@
 #include "verification/uncertain_pose.h"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace fabloop {
 namespace {
@@ -42,6 +45,14 @@ UncertainPose operator*(const UncertainPose& a_from_b, const UncertainPose& b_fr
 
 UncertainPose inverse(const UncertainPose& a_from_b) {
   return {a_from_b.pose.inverse(), transformed(adjoint(a_from_b.pose), a_from_b.covariance)};
+}
+
+double relative_distance_sigma(const UncertainPose& a_from_b) {
+  const double distance = a_from_b.pose.translation.norm();
+  if (distance == 0.0) return std::numeric_limits<double>::infinity();
+  const Eigen::Vector3d direction_in_b = a_from_b.pose.rotation.conjugate() * a_from_b.pose.translation / distance;
+  const double variance = direction_in_b.dot(a_from_b.covariance.topLeftCorner<3, 3>() * direction_in_b);
+  return std::sqrt(std::max(0.0, variance)) / distance;
 }
 
 Eigen::Matrix<double, 6, 1> pose_error(const Pose& pose, const Pose& other) {

@@ -24,6 +24,9 @@ UncertainPose operator*(const UncertainPose& a_from_b, const UncertainPose& b_fr
 /// b_from_a.
 UncertainPose inverse(const UncertainPose& a_from_b);
 
+/// Standard deviation of the distance between the two over that distance; infinite where they are at one place.
+double relative_distance_sigma(const UncertainPose& a_from_b);
+
 /// The error E that leads from one estimate of a pose to another: other = pose * E; (translation, rotation vector).
 Eigen::Matrix<double, 6, 1> pose_error(const Pose& pose, const Pose& other);
 

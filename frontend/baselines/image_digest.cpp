@@ -12,7 +12,7 @@ namespace fabloop {
 namespace {
 
 /// Images decoded at a time: enough to keep the threads busy, few enough for large images.
-constexpr std::size_t kBlockSize = 16;
+constexpr std::size_t kImagesAtATime = 16;
 
 }  // namespace
 
@@ -48,7 +48,7 @@ ImageDigests digest_images(ImageSource& source, const ImageDigester& digester, c
   result.name = source.name();
   const std::string stage = "images of " + result.name;
   while (true) {
-    const std::vector<SourceImage> block = source.next(kBlockSize);
+    const std::vector<SourceImage> block = source.next(kImagesAtATime);
     if (block.empty()) break;
     std::vector<ImageDigest> digests(block.size());
     parallel_for(block.size(), options.num_threads, [&](std::size_t i) {

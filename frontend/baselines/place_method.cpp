@@ -8,7 +8,7 @@
 namespace fabloop {
 namespace {
 
-constexpr std::array<Named<PlaceMethod>, 5> kNames = {{{PlaceMethod::FabMap, "fabmap"},
+constexpr std::array<Named<PlaceMethod>, 5> kMethodNames = {{{PlaceMethod::FabMap, "fabmap"},
                                                        {PlaceMethod::NaiveBayes, "naive-bayes"},
                                                        {PlaceMethod::TfIdf, "tf-idf"},
                                                        {PlaceMethod::Vlad, "vlad"},
@@ -22,15 +22,15 @@ constexpr std::array<Named<PlaceMethod>, 5> kLabels = {{{PlaceMethod::FabMap, "F
 
 }  // namespace
 
-std::string_view to_string(PlaceMethod method) { return name_of(kNames, method); }
+std::string_view to_string(PlaceMethod method) { return name_of(kMethodNames, method); }
 
-std::optional<PlaceMethod> place_method_named(std::string_view name) { return named(kNames, name); }
+std::optional<PlaceMethod> place_method_named(std::string_view name) { return named(kMethodNames, name); }
 
 std::string label_of(PlaceMethod method) { return std::string(name_of(kLabels, method)); }
 
 std::vector<PlaceMethod> all_place_methods() {
   std::vector<PlaceMethod> methods;
-  for (const auto& named : kNames) methods.push_back(named.value);
+  for (const auto& named : kMethodNames) methods.push_back(named.value);
   return methods;
 }
 

@@ -15,7 +15,7 @@
 namespace fabloop {
 namespace {
 
-constexpr int kBlockSize = 2048;
+constexpr int kRowsPerBlock = 2048;
 
 std::uint64_t mixed(std::uint64_t value) {
   value = (value ^ (value >> 30)) * 0xbf58476d1ce4e5b9u;  // SplitMix64 (Steele et al. 2014).
@@ -68,8 +68,8 @@ void add_block(Centres& centres, const cv::Mat& block, double squared_radius, in
 /// The centres of points that are in their own order.
 cv::Mat centres_of(const cv::Mat& points, const RadiusClusteringOptions& options) {
   Centres centres{{}, points.cols};
-  for (int begin = 0; begin < points.rows; begin += kBlockSize) {
-    const int end = std::min(begin + kBlockSize, points.rows);
+  for (int begin = 0; begin < points.rows; begin += kRowsPerBlock) {
+    const int end = std::min(begin + kRowsPerBlock, points.rows);
     add_block(centres, points.rowRange(begin, end), options.radius * options.radius, options.num_threads);
     if (static_cast<std::size_t>(centres.count()) > options.max_words) {
       throw InputError("a radius of " + std::to_string(options.radius) + " gives more than " + std::to_string(options.max_words) +

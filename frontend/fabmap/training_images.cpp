@@ -13,7 +13,7 @@ namespace fabloop {
 namespace {
 
 /// Images looked at between two reports of progress, and lost by a kill.
-constexpr std::size_t kBlockSize = 32;
+constexpr std::size_t kImagesPerBlock = 32;
 
 cv::Mat sampled_rows(const cv::Mat& descriptors, std::size_t wanted, std::uint64_t seed) {
   cv::Mat result;
@@ -73,9 +73,9 @@ TrainingImages::TrainingImages(std::size_t num_images, const FeatureSource& feat
       features_(features),
       options_(options),
       state_(state),
-      kept_((num_images + kBlockSize - 1) / kBlockSize) {}
+      kept_((num_images + kImagesPerBlock - 1) / kImagesPerBlock) {}
 
-std::size_t TrainingImages::first_image(std::size_t block) const { return block * kBlockSize; }
+std::size_t TrainingImages::first_image(std::size_t block) const { return block * kImagesPerBlock; }
 
 std::size_t TrainingImages::end_image(std::size_t block) const { return std::min(first_image(block + 1), num_images_); }
 

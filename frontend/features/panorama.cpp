@@ -21,8 +21,8 @@ int padding_of(const cv::Mat& gray) {
 FeatureOptions options_for(const FeatureExtractor& extractor, int width, int padding) {
   FeatureOptions options = extractor.options();
   const double wanted = std::ceil(options.max_features * (1.0 + 2.0 * padding / width));
-  constexpr double kMostFeatures = 1'000'000;
-  options.max_features = static_cast<int>(std::min(wanted, kMostFeatures));
+  constexpr double kMostOfPanorama = 1'000'000;
+  options.max_features = static_cast<int>(std::min(wanted, kMostOfPanorama));
   return options;
 }
 

@@ -43,12 +43,12 @@ constexpr double kScalePerSize = 0.3;
 constexpr long kStep = 2;
 
 /// Reach of a descriptor from its centre, in scales: the corner of its rotated square, and half a Haar filter more.
-constexpr double kReach = 15.5;
+constexpr double kDlibReach = 15.5;
 
 constexpr double kDegreesPerRadian = 180.0 / CV_PI;
 
 /// Below it no second derivative fits: the filters of the first octave reach so far.
-constexpr int kLeastSide = 32;
+constexpr int kDlibLeastSide = 32;
 
 bool is_finite(const dlib::interest_point& point) {
   return std::isfinite(point.center.x()) && std::isfinite(point.center.y()) && std::isfinite(point.scale) && point.scale > 0;
@@ -61,7 +61,7 @@ std::string_view surf_library() { return "dlib"; }
 void require_surf() {}
 
 std::vector<cv::KeyPoint> detect_surf(const cv::Mat& gray, const SurfOptions& options, double threshold) {
-  if (std::min(gray.rows, gray.cols) < kLeastSide) return {};
+  if (std::min(gray.rows, gray.cols) < kDlibLeastSide) return {};
   const BoxSums sums(gray, 0);
   dlib::hessian_pyramid pyramid;
   pyramid.build_pyramid(sums, options.num_octaves, options.layers_per_octave + 2, kStep);
@@ -84,7 +84,7 @@ cv::Mat describe_surf(const cv::Mat& gray, std::vector<cv::KeyPoint>& keypoints,
   if (keypoints.empty()) return descriptors;
   double largest = 0;
   for (const cv::KeyPoint& keypoint : keypoints) largest = std::max<double>(largest, keypoint.size);
-  const int padding = static_cast<int>(std::ceil(kReach * std::max(1.0, kScalePerSize * largest))) + 4;
+  const int padding = static_cast<int>(std::ceil(kDlibReach * std::max(1.0, kScalePerSize * largest))) + 4;
   const BoxSums sums(gray, padding);
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
     cv::KeyPoint& keypoint = keypoints[i];

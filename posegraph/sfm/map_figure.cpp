@@ -18,7 +18,7 @@ constexpr int kPanelHeight = 1400;
 constexpr int kFigureMargin = 50;
 constexpr int kHead = 110;
 constexpr int kFoot = 150;
-constexpr double kTextSize = 1.0, kTitleSize = 1.1;  // for print
+constexpr double kFigureTextSize = 1.0, kTitleSize = 1.1;  // for print
 
 const cv::Scalar kOdometryTrack(120, 120, 120);
 const cv::Scalar kTrack(20, 200, 255);  // amber: seen on grass, earth and asphalt alike
@@ -134,11 +134,11 @@ void draw_foot(cv::Mat& picture, const Panel& panel, const std::vector<FigureLeg
   int x = kFigureMargin;
   for (const FigureLegendEntry& entry : entries) {
     draw::line(picture, cv::Point2d(x, y - 10), cv::Point2d(x + 50, y - 10), entry.colour, 6);
-    plot::write(picture, entry.text, {x + 65, y}, 0.0, kTextSize);
-    x += 110 + plot::text_width(entry.text, kTextSize);
+    plot::write(picture, entry.text, {x + 65, y}, 0.0, kFigureTextSize);
+    x += 110 + plot::text_width(entry.text, kFigureTextSize);
   }
   plot::draw_scale_bar(picture, cv::Point2d(picture.cols - kFigureMargin, y + 25), panel.px_per_unit, 0.22 * kPanelWidth,
-                       unit == LengthUnit::Metres ? "m" : "units", kTextSize);
+                       unit == LengthUnit::Metres ? "m" : "units", kFigureTextSize);
 }
 
 void draw_north(cv::Mat& picture, const cv::Point2d& at) {
@@ -146,7 +146,7 @@ void draw_north(cv::Mat& picture, const cv::Point2d& at) {
   draw::line(picture, at, tip, plot::kInk, 4);
   draw::line(picture, tip, tip + cv::Point2d(-12, 20), plot::kInk, 4);
   draw::line(picture, tip, tip + cv::Point2d(12, 20), plot::kInk, 4);
-  plot::write(picture, "N", {static_cast<int>(tip.x), static_cast<int>(tip.y) - 12}, 0.5, kTextSize);
+  plot::write(picture, "N", {static_cast<int>(tip.x), static_cast<int>(tip.y) - 12}, 0.5, kFigureTextSize);
 }
 
 /// One panel or two of the same scale that hold everything drawn.

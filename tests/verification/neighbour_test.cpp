@@ -105,5 +105,21 @@ TEST(Neighbours, InformationSaysNothingOfTheLength) {
   EXPECT_LT((information * along.normalized()).norm(), 1e-9 * information.trace());
 }
 
+TEST(Neighbours, ADistanceThatTheOdometryHardlyKnowsGivesNoDepths) {
+  TwoViews world = make_two_views({});
+  const auto points_with = [&](double nearest_sigma, double sigma) {
+    const std::vector<RecentView> recent = {{&world.match, world.match_from_query, nearest_sigma},
+                                            {&world.match, world.match_from_query, sigma}};
+    const auto found = see_recent(recent, world.query, 2);
+    EXPECT_EQ(found.size(), 2U) << "rotation and direction are known either way";
+    EXPECT_GT(found.at(0).seen.points.size(), 100U) << "the nearest view tells the unit, however vaguely";
+    EXPECT_EQ(static_cast<std::size_t>(found.at(1).seen.link.num_points), found.at(1).seen.points.size());
+    return found.at(1).seen.points.size();
+  };
+  EXPECT_GT(points_with(0.05, 0.05), 100U);
+  EXPECT_EQ(points_with(0.05, 0.14), 0U);
+  EXPECT_GT(points_with(0.14, 0.14), 100U);
+}
+
 }  // namespace
 }  // namespace fabloop

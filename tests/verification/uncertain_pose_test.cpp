@@ -4,8 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <cmath>
 #include <limits>
 #include <random>
+
+#include "verification/keyframe_map.h"
 
 namespace fabloop {
 namespace {
@@ -72,6 +75,36 @@ TEST_F(Uncertain, AnInverseScattersAsItsCovarianceSays) {
     scatter += error * error.transpose() / kDraws;
   }
   EXPECT_LT((scatter - b_from_a.covariance).norm(), 0.1 * b_from_a.covariance.norm());
+}
+
+TEST_F(Uncertain, ADistanceScattersAsItsSigmaSays) {
+  const UncertainPose pose{random_pose(), random_covariance(0.004)};
+  const double distance = pose.pose.translation.norm();
+  constexpr int kSamples = 4000;
+  double sum_of_squares = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    const double error = draw(pose).translation.norm() / distance - 1.0;
+    sum_of_squares += error * error;
+  }
+  // The standard deviation of so many samples is known to 1.1 %; four times that.
+  EXPECT_NEAR(std::sqrt(sum_of_squares / kSamples) / relative_distance_sigma(pose), 1.0, 0.045);
+  EXPECT_EQ(relative_distance_sigma({}), std::numeric_limits<double>::infinity());
+}
+
+TEST_F(Uncertain, AfterATurnTheDistanceIsKnownLessWellThanOnAStraightWay) {
+  const auto walk = [](double turn_deg) {
+    UncertainPose start_from_now;
+    for (int i = 0; i < 8; ++i) {
+      const double angle = i == 3 ? rad_from_deg(turn_deg) : 0.0;
+      start_from_now = start_from_now * uncertain_step({rotation_from_vector({0, 0, angle}), {5, 0, 0}});
+    }
+    return relative_distance_sigma(start_from_now);
+  };
+  const double step = relative_distance_sigma(uncertain_step({Eigen::Quaterniond::Identity(), {5, 0, 0}}));
+  EXPECT_NEAR(step, OdometryStepNoise{}.translation, 1e-12);
+  EXPECT_LT(walk(0), step);
+  EXPECT_LT(walk(90), step);
+  EXPECT_GT(walk(170), 2 * step);
 }
 
 TEST_F(Uncertain, PoseErrorLeadsFromOneToTheOther) {

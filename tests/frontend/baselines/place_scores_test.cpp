@@ -12,25 +12,20 @@
 #include "frontend/npy.h"
 #include "frontend/recognition/recognition_run.h"
 #include "tests/frontend/sequence/temporary_folder.h"
+#include "tests/frontend/word_model.h"
 
 namespace fabloop {
 namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing_support::kNumWords;
+using testing_support::model_of_words;
 
-constexpr std::size_t kNumWords = 60;
 constexpr std::size_t kRecent = 2;
 
-/// Sixty independent words, each in a tenth of all images.
-Model model_of_words() {
-  Model model;
-  model.tree.nodes.assign(kNumWords, {std::nullopt, 0.1, 0.1, 0.1});
-  return model;
-}
-
 /// Images of places that show six words of their own, and each image one of its own besides; frames are 0, 2, 4, ...
-std::vector<ImageDigest> images_at(const std::vector<WordId>& places) {
+std::vector<ImageDigest> digests_at(const std::vector<WordId>& places) {
   std::vector<ImageDigest> images;
   for (const WordId place : places) {
     ImageDigest image;
@@ -68,7 +63,7 @@ GroundTruth truth_of_route() {
 TEST(PlaceScores, EveryMethodFindsAnEasyRevisitThroughTheSameJudge) {
   const Model model = model_of_words();
   for (const PlaceMethod method : all_place_methods()) {
-    const ScoreTable table = score_sequence(method, &model, images_at(kRoute), few_recent());
+    const ScoreTable table = score_sequence(method, &model, digests_at(kRoute), few_recent());
     ASSERT_EQ(table.rows.size(), kRoute.size());
     EXPECT_EQ(table.rows[1].scores.size(), 0u) << "recent places are left out";
     EXPECT_EQ(table.rows[7].scores.size(), 7 - kRecent);
@@ -84,7 +79,7 @@ TEST(PlaceScores, EveryMethodFindsAnEasyRevisitThroughTheSameJudge) {
 
 TEST(PlaceScores, FabMapScoresAreTheLogOddsOfRecognition) {
   const Model model = model_of_words();
-  const std::vector<ImageDigest> images = images_at(kRoute);
+  const std::vector<ImageDigest> images = digests_at(kRoute);
   std::vector<ObservedImage> observed;
   for (const ImageDigest& image : images) observed.push_back({image.frame, image.time_ns, observation_of(image.words)});
   RecognitionOptions options;
@@ -101,7 +96,7 @@ TEST(PlaceScores, FabMapScoresAreTheLogOddsOfRecognition) {
 
 TEST(PlaceScores, BagsAreScoredPairByPair) {
   const Model model = model_of_words();
-  const std::vector<ImageDigest> images = images_at(kRoute);
+  const std::vector<ImageDigest> images = digests_at(kRoute);
   const ScoreTable table = score_sequence(PlaceMethod::TfIdf, &model, images, few_recent());
   const std::vector<double> idf = inverse_document_frequencies(model.tree);
   EXPECT_EQ(table.rows[9].scores[3], l1_score(tf_idf_bag(images[9].words, idf), tf_idf_bag(images[3].words, idf)));
@@ -109,7 +104,7 @@ TEST(PlaceScores, BagsAreScoredPairByPair) {
 
 TEST(PlaceScores, InAMapEveryImageIsAPlaceForEveryQuery) {
   const Model model = model_of_words();
-  const std::vector<ImageDigest> map = images_at({0, 1, 2, 3, 4, 5, 6, 7}), queries = images_at({2, 3, 4, 5});
+  const std::vector<ImageDigest> map = digests_at({0, 1, 2, 3, 4, 5, 6, 7}), queries = digests_at({2, 3, 4, 5});
   for (const PlaceMethod method : all_place_methods()) {
     const ScoreTable table = score_in_map(method, &model, map, queries, few_recent());
     ASSERT_EQ(table.rows.size(), 4u);
@@ -121,7 +116,7 @@ TEST(PlaceScores, InAMapEveryImageIsAPlaceForEveryQuery) {
 }
 
 TEST(PlaceScores, AMethodThatNeedsAModelSaysSo) {
-  EXPECT_THAT(input_error_of([] { score_sequence(PlaceMethod::Vlad, nullptr, images_at(kRoute)); }),
+  EXPECT_THAT(input_error_of([] { score_sequence(PlaceMethod::Vlad, nullptr, digests_at(kRoute)); }),
               HasSubstr("vlad needs a model"));
   EXPECT_THAT(input_error_of([] { ImageDigester({PlaceMethod::TfIdf}, nullptr); }), HasSubstr("tf-idf needs a model"));
   EXPECT_NO_THROW(ImageDigester({PlaceMethod::SeqSlam}, nullptr));
@@ -130,7 +125,7 @@ TEST(PlaceScores, AMethodThatNeedsAModelSaysSo) {
 TEST(ScoreFile, TheScoresOfAFileAreJudgedAsTheMethodThatWroteThem) {
   const TemporaryFolder folder;
   const Model model = model_of_words();
-  const std::vector<ImageDigest> images = images_at(kRoute);
+  const std::vector<ImageDigest> images = digests_at(kRoute);
   std::vector<std::size_t> frames;
   for (const ImageDigest& image : images) frames.push_back(image.frame);
   for (const PlaceMethod method : all_place_methods()) {

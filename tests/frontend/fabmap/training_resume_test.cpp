@@ -19,7 +19,7 @@ using ::testing::IsEmpty;
 constexpr std::size_t kNumImages = 70;  // three blocks
 
 /// Images of 12 places, in turn, whose descriptors are the place's own with noise.
-Features features_of_image(std::size_t image) {
+Features features_of_small_image(std::size_t image) {
   Features features;
   const cv::Mat place = fabloop::testing_support::clustered_descriptors(25, 8, 25, 100 + image % 12);
   cv::Mat noise(place.size(), CV_32F);
@@ -54,7 +54,7 @@ class TrainingResume : public ::testing::Test {
                           kNumImages,
                           [this](std::size_t image) {
                             ++num_described_;
-                            return features_of_image(image);
+                            return features_of_small_image(image);
                           },
                           options)
                           .model);
@@ -177,7 +177,7 @@ TEST_F(TrainingResume, RefusesAFolderThatIsSomethingElse) {
 
 TEST_F(TrainingResume, LeavesNoStateOfBadInput) {
   const auto bad = [](std::size_t image) {
-    return image == 40 ? throw InputError("0040.jpg: is damaged") : features_of_image(image);
+    return image == 40 ? throw InputError("0040.jpg: is damaged") : features_of_small_image(image);
   };
   EXPECT_THROW(train_model(kNumImages, bad, options_), InputError);
   EXPECT_FALSE(fs::exists(options_.state_folder));

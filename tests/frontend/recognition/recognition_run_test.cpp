@@ -9,20 +9,13 @@
 #include "frontend/recognition/matrix_picture.h"
 #include "frontend/recognition/row_spool.h"
 #include "tests/frontend/sequence/temporary_folder.h"
+#include "tests/frontend/word_model.h"
 
 namespace fabloop {
 namespace {
 
 using testing::ElementsAre;
-
-constexpr std::size_t kNumWords = 60;
-
-/// Sixty independent words, each in a tenth of all images.
-Model model_of_words() {
-  Model model;
-  model.tree.nodes.assign(kNumWords, {std::nullopt, 0.1, 0.1, 0.1});
-  return model;
-}
+using testing_support::model_of_words;
 
 /// An image at each of the places, which show six words of their own.
 std::vector<ObservedImage> images_at(const std::vector<WordId>& places) {
