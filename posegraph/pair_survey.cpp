@@ -65,7 +65,7 @@ void link_neighbours_of(std::vector<View>& views, const Sequence& sequence, cons
   parallel_for(views.size(), options.num_threads,
                [&](std::size_t current) { neighbours[current] = neighbours_of(current, views, sequence, options); });
   for (std::size_t current = 0; current < views.size(); ++current) {
-    for (const RecentNeighbour& n : neighbours[current]) give_depths(views[n.recent], views[current], n.seen);
+    for (const RecentNeighbour& n : neighbours[current]) give_depths(views[n.recent], views[current], n);
   }
 }
 

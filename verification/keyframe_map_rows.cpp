@@ -111,6 +111,7 @@ std::string points_row_of(const View& view) {
     if (point) points.push_back({i, point->x(), point->y(), point->z(), view.point_weights[i]});
   }
   StateBytes bytes;
+  bytes.put(view.unit_sigma);
   bytes.put(points);
   return bytes.bytes();
 }
@@ -118,8 +119,10 @@ std::string points_row_of(const View& view) {
 void set_points(std::string_view row, View& view) {
   StateBytes bytes{std::string(row)};
   std::vector<StoredPoint> points;
+  bytes.take(view.unit_sigma);
   bytes.take(points);
   require_end(bytes);
+  if (!(std::isfinite(view.unit_sigma) && view.unit_sigma >= 0.0)) throw StateDamaged();
   for (const StoredPoint& point : points) {
     if (point.feature >= view.points_in_camera.size()) throw StateDamaged();
     view.points_in_camera[point.feature] = Eigen::Vector3d(point.x, point.y, point.z);

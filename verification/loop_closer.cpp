@@ -174,7 +174,7 @@ void LoopCloser::link_to_earlier(LoopEvent& event) {
   event.changed.push_back(current);
   for (const RecentNeighbour& neighbour : see_recent(recent, now.view, options_.num_neighbours, options, options_.num_threads)) {
     const std::size_t earlier = keyframes[neighbour.recent];
-    give_depths(map_.keyframes[earlier].view, now.view, neighbour.seen);
+    give_depths(map_.keyframes[earlier].view, now.view, neighbour);
     event.neighbours.push_back(neighbour.seen.link);
     event.changed.push_back(earlier);
   }

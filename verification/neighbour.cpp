@@ -75,20 +75,31 @@ std::optional<SeenNeighbour> see_neighbour(const View& previous, const View& cur
   return result;
 }
 
-void give_depths(View& previous, View& current, const SeenNeighbour& seen) {
-  const Pose current_from_previous = seen.link.previous_from_current.inverse();
-  for (const NeighbourPoint& point : seen.points) {
-    add_point_measurement(previous, point.previous_feature, point.x_in_previous, point.parallax_rad);
-    add_point_measurement(current, point.current_feature, current_from_previous * point.x_in_previous, point.parallax_rad);
+void give_depths(View& recent, View& current, const RecentNeighbour& neighbour) {
+  const Pose current_from_recent = neighbour.seen.link.previous_from_current.inverse();
+  const auto gets_them = [&](View& view) {
+    if (neighbour.unit_sigma > 0) return count_points(view) == 0;
+    if (view.unit_sigma > 0) clear_points(view);
+    return true;
+  };
+  const bool recent_does = gets_them(recent), current_does = gets_them(current);
+  if (recent_does) recent.unit_sigma = neighbour.unit_sigma;
+  if (current_does) current.unit_sigma = neighbour.unit_sigma;
+  for (const NeighbourPoint& point : neighbour.seen.points) {
+    if (recent_does) add_point_measurement(recent, point.previous_feature, point.x_in_previous, point.parallax_rad);
+    if (current_does) {
+      add_point_measurement(current, point.current_feature, current_from_recent * point.x_in_previous, point.parallax_rad);
+    }
   }
 }
 
 std::optional<NeighbourLink> link_neighbours(View& previous, View& current, const Pose& previous_from_current_odometry,
                                              const NeighbourOptions& options) {
-  const auto seen = see_neighbour(previous, current, previous_from_current_odometry, options);
+  auto seen = see_neighbour(previous, current, previous_from_current_odometry, options);
   if (!seen) return std::nullopt;
-  give_depths(previous, current, *seen);
-  return seen->link;
+  const RecentNeighbour neighbour{0, std::move(*seen)};
+  give_depths(previous, current, neighbour);
+  return neighbour.seen.link;
 }
 
 std::vector<RecentNeighbour> see_recent(std::span<const RecentView> recent, const View& current, std::size_t max_links,
@@ -108,11 +119,8 @@ std::vector<RecentNeighbour> see_recent(std::span<const RecentView> recent, cons
     });
     for (std::size_t i = 0; i < seen.size(); ++i) {
       if (!seen[i]) continue;
-      if (recent[next + i].distance_sigma > max_distance_sigma) {
-        seen[i]->points.clear();
-        seen[i]->link.num_points = 0;
-      }
-      found.push_back({next + i, std::move(*seen[i])});
+      const double sigma = recent[next + i].distance_sigma;
+      found.push_back({next + i, std::move(*seen[i]), sigma > max_distance_sigma ? sigma : 0.0});
     }
     next += seen.size();
   }

@@ -24,8 +24,8 @@ struct NeighbourOptions {
   double max_rotation_error_deg = 10.0;
   double max_direction_error_deg = 25.0;
   double min_parallax_deg = 1.0;  ///< Below it (hovering) the direction and all depths are noise.
-  /// Views whose distance the odometry tells less well, relative, get no depths from one another: after a turn the way between
-  /// them is long and its errors are large against the distance. But as well as the nearest view's always suffices.
+  /// A distance that the odometry tells less well, relative, is no unit for depths where another is to be had: after a turn the way
+  /// between two views is long, and its errors are large against the distance. As well as the nearest view's always suffices.
   double max_distance_sigma = 0.06;
   int max_iterations = 1500;
   std::uint64_t seed = 0;
@@ -63,10 +63,7 @@ struct SeenNeighbour {
 std::optional<SeenNeighbour> see_neighbour(const View& previous, const View& current, const Pose& previous_from_current_odometry,
                                            const NeighbourOptions& options = {});
 
-/// Gives the features of a pair the depths that it shows (see add_point_measurement() for features that have one already).
-void give_depths(View& previous, View& current, const SeenNeighbour& seen);
-
-/// Both of these, one after the other.
+/// Relates two neighbours and gives them their depths.
 std::optional<NeighbourLink> link_neighbours(View& previous, View& current, const Pose& previous_from_current_odometry,
                                              const NeighbourOptions& options = {});
 
@@ -81,10 +78,14 @@ struct RecentView {
 struct RecentNeighbour {
   std::size_t recent = 0;  ///< Index into the recent views.
   SeenNeighbour seen;
+  double unit_sigma = 0;  ///< Its distance_sigma where that is too large for a unit of depths (NeighbourOptions); else 0.
 };
 
-/// The first `max_links` of the recent views, nearest first, that the images relate to the current one; those whose distance is
-/// not known well enough (NeighbourOptions::max_distance_sigma) without points. On up to `num_threads`
+/// Gives the views the depths that they show. Of a vague unit only where a view has no others, whose unit_sigma then tells so;
+/// they give way to better ones.
+void give_depths(View& recent, View& current, const RecentNeighbour& neighbour);
+
+/// The first `max_links` of the recent views, nearest first, that the images relate to the current one. On up to `num_threads`
 /// threads (0: all), without effect on the result.
 std::vector<RecentNeighbour> see_recent(std::span<const RecentView> recent, const View& current, std::size_t max_links,
                                         const NeighbourOptions& options = {}, int num_threads = 1);

@@ -63,6 +63,7 @@ class Gates {
     pose_options_.seed = pair_seed(options.seed, query.frame, match.frame);
     pose_options_.min_inliers = static_cast<std::size_t>(std::max(0, options.min_inliers));
     result_.num_matches = static_cast<int>(matches_.size());
+    options_.scale_sigma = std::max({options.scale_sigma, query.unit_sigma, match.unit_sigma});
   }
 
   Verification pass() && {
@@ -202,7 +203,7 @@ class Gates {
   const View& match_;
   std::vector<Match> matches_, others_;
   const PairPrior& prior_;
-  const VerifierOptions& options_;
+  VerifierOptions options_;  ///< With the scale_sigma of this pair.
   std::vector<RayPair> pairs_;
   RelativePoseOptions pose_options_;
   PoseChoice choice_;

@@ -55,6 +55,12 @@ void set_known_point(View& view, std::size_t i, const Eigen::Vector3d& x_in_came
   view.point_weights[i] = parallax_rad * parallax_rad;
 }
 
+void clear_points(View& view) {
+  std::fill(view.points_in_camera.begin(), view.points_in_camera.end(), std::nullopt);
+  std::fill(view.point_weights.begin(), view.point_weights.end(), 0.0);
+  view.unit_sigma = 0;
+}
+
 std::size_t count_points(const View& view) {
   return static_cast<std::size_t>(std::count_if(view.points_in_camera.begin(), view.points_in_camera.end(),
                                                 [](const auto& point) { return point.has_value(); }));

@@ -23,6 +23,7 @@ struct View {
   /// is a plane (see plane_scale.h).
   std::optional<double> height_above_ground{};
   std::vector<double> point_weights;  ///< N, of the points as measured so far; see add_point_measurement().
+  double unit_sigma = 0;  ///< Relative, of the points' common unit of length, where it is known less well than a step's.
   std::vector<WordId> words{};        ///< N, the word of each feature; empty where nobody asks for them (see MatchBy).
 };
 
@@ -37,6 +38,9 @@ void add_point_measurement(View& view, std::size_t i, const Eigen::Vector3d& x_i
 /// Gives feature i of a view a point that somebody else measured (a depth camera, a host's map), known to `relative_sigma` of
 /// its depth. It weighs as a triangulated point of that accuracy.
 void set_known_point(View& view, std::size_t i, const Eigen::Vector3d& x_in_camera, double relative_sigma);
+
+/// Forgets all points.
+void clear_points(View& view);
 
 /// Number of features whose depth is known.
 std::size_t count_points(const View& view);

@@ -40,6 +40,7 @@ TEST_F(MapFile, KeepsFeaturesOfBitsAndViewsWithoutAny) {
   map.keyframes.resize(2);
   map.keyframes[0].view = make_view(3, map.sessions[0].camera, bits);
   map.keyframes[0].view.height_above_ground = 61.5;
+  map.keyframes[0].view.unit_sigma = 0.125;
   map.keyframes[1].view = make_view(4, map.sessions[0].camera, {});
   KeyframeMapFile::create(path_, map);
   const KeyframeMap read = read_keyframe_map(path_, short_walk().model);

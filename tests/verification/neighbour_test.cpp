@@ -105,20 +105,40 @@ TEST(Neighbours, InformationSaysNothingOfTheLength) {
   EXPECT_LT((information * along.normalized()).norm(), 1e-9 * information.trace());
 }
 
-TEST(Neighbours, ADistanceThatTheOdometryHardlyKnowsGivesNoDepths) {
-  TwoViews world = make_two_views({});
-  const auto points_with = [&](double nearest_sigma, double sigma) {
+TEST(Neighbours, OnlyADistanceThatTheOdometryHardlyKnowsHasAUnitSigma) {
+  const TwoViews world = make_two_views({});
+  const auto unit_sigma_with = [&](double nearest_sigma, double sigma) {
     const std::vector<RecentView> recent = {{&world.match, world.match_from_query, nearest_sigma},
                                             {&world.match, world.match_from_query, sigma}};
     const auto found = see_recent(recent, world.query, 2);
-    EXPECT_EQ(found.size(), 2U) << "rotation and direction are known either way";
-    EXPECT_GT(found.at(0).seen.points.size(), 100U) << "the nearest view tells the unit, however vaguely";
-    EXPECT_EQ(static_cast<std::size_t>(found.at(1).seen.link.num_points), found.at(1).seen.points.size());
-    return found.at(1).seen.points.size();
+    EXPECT_EQ(found.size(), 2U);
+    EXPECT_EQ(found.at(0).unit_sigma, 0.0) << "the nearest view tells the unit, however vaguely";
+    return found.at(1).unit_sigma;
   };
-  EXPECT_GT(points_with(0.05, 0.05), 100U);
-  EXPECT_EQ(points_with(0.05, 0.14), 0U);
-  EXPECT_GT(points_with(0.14, 0.14), 100U);
+  EXPECT_EQ(unit_sigma_with(0.05, 0.05), 0.0);
+  EXPECT_EQ(unit_sigma_with(0.05, 0.14), 0.14);
+  EXPECT_EQ(unit_sigma_with(0.14, 0.14), 0.0);
+}
+
+TEST(Neighbours, DepthsOfAVagueUnitGiveWayToOthers) {
+  TwoViews world = make_two_views({});
+  const auto seen = see_neighbour(world.match, world.query, world.match_from_query);
+  const auto stretched =
+      see_neighbour(world.match, world.query, {world.match_from_query.rotation, 1.3 * world.match_from_query.translation});
+  ASSERT_TRUE(seen && stretched);
+  View first = world.match, second = world.query;
+  give_depths(first, second, {0, *stretched, 0.14});
+  EXPECT_EQ(second.unit_sigma, 0.14);
+  EXPECT_EQ(count_points(second), stretched->points.size()) << "better than none";
+  give_depths(first, second, {0, *seen});
+  View only_first = world.match, only_second = world.query;
+  give_depths(only_first, only_second, {0, *seen});
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(second.unit_sigma, 0.0);
+    EXPECT_EQ(second.points_in_camera, only_second.points_in_camera);
+    EXPECT_EQ(first.points_in_camera, only_first.points_in_camera);
+    give_depths(first, second, {0, *stretched, 0.14});  // too late to count
+  }
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <cmath>
 #include <opencv2/core.hpp>
 
@@ -48,6 +49,21 @@ TEST(Verifier, WithoutDepthALoopIsADirection) {
   const Eigen::Vector3d along = found.match_from_query.rotation.conjugate() * found.match_from_query.translation;
   const Eigen::Matrix3d translation_information = found.information.topLeftCorner<3, 3>();
   EXPECT_LT((translation_information * along).norm(), 1e-9 * translation_information.trace());
+}
+
+TEST(Verifier, ALengthIsAsVagueAsTheUnitOfItsPoints) {
+  TwoViews world = make_two_views({.noise_px = 0.5, .with_points = true});
+  const double sure = Verifier().verify(world.query, world.match).scale_sigma;
+  EXPECT_GE(sure, VerifierOptions{}.scale_sigma);
+  world.match.unit_sigma = 0.14;
+  VerifierOptions lax;
+  lax.max_distance_sigma = 1;
+  const Verification vague = Verifier(lax).verify(world.query, world.match);
+  ASSERT_EQ(vague.verdict, Verdict::Accepted);
+  EXPECT_GE(vague.scale_sigma, 0.14);
+  const Eigen::Vector3d along = (vague.match_from_query.rotation.conjugate() * vague.match_from_query.translation).normalized();
+  const Eigen::Matrix3d covariance = vague.information.inverse().topLeftCorner<3, 3>();
+  EXPECT_GE(std::sqrt(along.dot(covariance * along)), 0.14 * vague.match_from_query.translation.norm() * (1 - 1e-9));
 }
 
 TEST(Verifier, InformationIsSymmetricAndPositive) {
