@@ -125,6 +125,16 @@ function drawChoice(context) {
   }
 }
 
+/** Frames that have their places before their neighbours have, which no line shows. */
+function drawFrames(context) {
+  if (!tracks.find((track) => track.key === 'final').on) return;
+  context.fillStyle = colour('final');
+  for (const position of finalFlat.values()) {
+    const [x, y] = toScreen(position);
+    context.fillRect(x - 2, y - 2, 4, 4);
+  }
+}
+
 /** Where a run that goes on is now. */
 function drawNewest(context) {
   const place = scene.newest === null ? null : finalFlat.get(scene.newest);
@@ -156,13 +166,14 @@ function drawAbove() {
     let previous = null;
     for (const [frame, position] of track.flat) {
       const [x, y] = toScreen(position);
-      // Frames without a pose leave a gap.
-      if (previous !== null && frame - previous <= 20) context.lineTo(x, y); else context.moveTo(x, y);
+      // Frames without a pose leave a gap; while a map grows, those that are yet to come.
+      if (previous !== null && frame - previous <= (report.live ? 1 : 20)) context.lineTo(x, y); else context.moveTo(x, y);
       previous = frame;
     }
     context.stroke();
     context.setLineDash([]);
   }
+  if (report.live) drawFrames(context);
   drawChoice(context);
   drawNewest(context);
   drawScaleBar(context, canvas);

@@ -3,13 +3,13 @@
 
 const live = {since: 0, world: null, failures: 0, timer: null, stage: '', page: Math.random().toString(36).slice(2)};
 
-/** What the stages are to people; others keep their names. */
+/** What the stages are to people, where their names do not say it. */
 const stageNames = {
   features: 'Finding features', 'k-means': 'Learning visual words', mapping: 'Mapping', pairs: 'Comparing pairs of images', placing: 'Placing images',
   adjust: 'Adjusting everything', camera: 'Checking the camera', georeference: 'Fitting known positions', result: 'Gathering the result',
   'without loops': 'The same without loops, to compare with', report: 'Making the report',
 };
-const stageName = (stage) => stageNames[stage.name] || stage.name;
+const stageName = (stage) => stageNames[stage.name] || stage.name.charAt(0).toUpperCase() + stage.name.slice(1);
 
 function duration(seconds) {
   const whole = Math.round(seconds), rest = whole % 60, minutes = Math.floor(whole / 60) % 60, hours = Math.floor(whole / 3600);
