@@ -3,6 +3,8 @@
 
 const live = {since: 0, world: null, failures: 0, timer: null, stage: '', page: Math.random().toString(36).slice(2)};
 
+const reportPath = report.live ? `${report.live.folder.replace(/\/$/, '')}/report.html` : '';
+
 /** What the stages are to people, where their names do not say it. */
 const stageNames = {
   features: 'Finding features', 'k-means': 'Learning visual words', mapping: 'Mapping', pairs: 'Comparing pairs of images', placing: 'Placing images',
@@ -116,12 +118,11 @@ const code = (text) => element('code', {text});
 
 /** The run has ended: its report takes this page's place. It comes as a whole, since the program ends too. */
 async function becomeReport() {
-  const path = `${report.live.folder.replace(/\/$/, '')}/report.html`;
-  tell('good', 'The run has ended. Its report is ', code(path), '.');
+  tell('good', 'The run has ended. Its report is ', code(reportPath), '.');
   try {
     const answer = await fetch(`/report.html?page=${live.page}`);
     if (!answer.ok) return;
-    const body = element('body', {'data-was-live': path}).outerHTML.replace('</body>', '');
+    const body = element('body', {'data-was-live': reportPath}).outerHTML.replace('</body>', '');
     const page = (await answer.text()).replace('<body>', () => body);
     location.replace(URL.createObjectURL(new Blob([page], {type: 'text/html'})));
   } catch (error) {
@@ -156,7 +157,8 @@ async function ask() {
   const news = await latestNews();
   if (news && news.run !== report.live.run) return location.reload();  // another run on the same port
   if (!news && ++live.failures === 3) {
-    tell('wary', 'The run no longer answers: it has ended or was stopped. If it has ended, its files are in ', code(report.live.folder), ', and what follows is what was last seen of it.');
+    tell('wary', 'The run no longer answers: it has ended or was stopped. If it has ended, its report is ', code(reportPath), '. What follows is what was last seen of it.');
+    byId('live-pace').textContent = '';
   }
   if (news) {
     if (live.failures >= 3) tell('');
