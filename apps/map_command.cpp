@@ -9,13 +9,15 @@
 #include <string>
 
 #include "apps/command.h"
-#include "apps/feature_arguments.h"
+#include "apps/live_run.h"
+#include "apps/map_arguments.h"
 #include "apps/progress_bar.h"
 #include "apps/reconstruction_report.h"
 #include "apps/report_page.h"
 #include "apps/run_report.h"
 #include "frontend/error.h"
 #include "frontend/fabmap/model.h"
+#include "frontend/sequence/stamped_images.h"
 #include "posegraph/map_sequence.h"
 #include "posegraph/run_folder.h"
 #include "posegraph/sfm/reconstruct.h"
@@ -23,25 +25,6 @@
 
 namespace fabloop::apps {
 namespace {
-
-struct MapArguments {
-  std::string sequence;
-  std::string odometry, reference, camera, model, out;
-  std::string earlier_map, save_map;
-  FeatureArguments features;
-  std::string new_place = "mean-field", match_by = "features";
-  double max_time_difference_s = 0.01;
-  bool strict = false;
-  bool overwrite = false;
-  bool from_images = false;
-  std::string gps, gps_use = "witness", refine = "nothing";
-  double gps_sigma_m = GeoreferenceOptions{}.sigma_m;
-  std::size_t gps_neighbours = 0;
-  bool no_report = false;
-  bool fresh = false;
-  bool without_loops = false;
-  MapSequenceOptions options;
-};
 
 /// What the user asks for; the rest as the model has it, or by default. A model brings its own features, so asking for others
 /// is an error.
@@ -109,8 +92,18 @@ void write_report_of(const MapArguments& arguments, const Sequence& sequence, co
   write_report(input.truth.run / "report.html", input);
 }
 
-/// The map from images alone.
-void run_reconstruct(const MapArguments& arguments, const CommonOptions& common, OutputFolder::IfExists if_exists) {
+/// The page, where one is wanted, and where it is.
+std::filesystem::path report_of(const MapArguments& arguments, const Sequence& sequence, const CommonOptions& common,
+                                const LiveRun& live) {
+  if (arguments.no_report) return {};
+  live.begin_stage("report");
+  write_report_of(arguments, sequence, common);
+  return std::filesystem::path(arguments.out) / "report.html";
+}
+
+/// The map from images alone. Returns where its report is.
+std::filesystem::path run_reconstruct(const MapArguments& arguments, const CommonOptions& common,
+                                      OutputFolder::IfExists if_exists, const LiveRun& live) {
   const Sequence sequence = read_sequence(arguments.sequence, {.camera = arguments.camera,
                                                                .odometry = arguments.odometry,
                                                                .reference = arguments.reference,
@@ -129,20 +122,21 @@ void run_reconstruct(const MapArguments& arguments, const CommonOptions& common,
   options.num_threads = common.num_threads;
   options.seed = arguments.options.seed;
   options.warn = make_warn(common);
-  options.progress = make_progress(common);
+  options.progress = live.progress(make_progress(common));
+  options.watch = live.watch_placed();
   options.also_without_loops = arguments.without_loops;
   options.state_folder = OutputFolder::part_path_of(arguments.out);
   if (arguments.fresh) options.if_state_found = WorkState::IfFound::Discard;
   const Reconstructed result = reconstruct(sequence, model, options);
   write_reconstruction_folder(arguments.out, sequence, result, options, if_exists);
-  if (!arguments.no_report) write_report_of(arguments, sequence, common);
+  const std::filesystem::path report = report_of(arguments, sequence, common, live);
   print_reconstruction_report(std::cout, sequence, result, arguments.out);
+  return report;
 }
 
-void run_map(MapArguments& arguments, const CommonOptions& common) {
-  const auto if_exists = arguments.overwrite ? OutputFolder::IfExists::Replace : OutputFolder::IfExists::Refuse;
-  OutputFolder::require_usable(arguments.out, if_exists);  // before the work, not after it
-  if (arguments.odometry.empty() || arguments.from_images) return run_reconstruct(arguments, common, if_exists);
+/// The map with odometry. Returns where its report is.
+std::filesystem::path run_with_odometry(MapArguments& arguments, const CommonOptions& common, OutputFolder::IfExists if_exists,
+                                        const LiveRun& live) {
   { const OutputFolder probe(arguments.out, if_exists); }  // that it can be written
   require_usable_maps(arguments);
   SequenceOptions sequence_options{.camera = arguments.camera,
@@ -161,7 +155,8 @@ void run_map(MapArguments& arguments, const CommonOptions& common) {
   options.if_damaged = arguments.strict ? IfDamaged::Refuse : IfDamaged::Skip;
   options.num_threads = common.num_threads;
   options.warn = make_warn(common);
-  options.progress = make_progress(common);
+  options.progress = live.progress(make_progress(common));
+  options.watch = live.watch_map();
   options.earlier_map = arguments.earlier_map;
   options.mapper.save_map = arguments.save_map;
   if (!model && !common.quiet) {
@@ -170,85 +165,19 @@ void run_map(MapArguments& arguments, const CommonOptions& common) {
   }
   const SequenceMap result = map_sequence(sequence, model, options);
   write_run_folder(arguments.out, sequence, result, options, if_exists);
-  if (!arguments.no_report) write_report_of(arguments, sequence, common);
+  const std::filesystem::path report = report_of(arguments, sequence, common, live);
   print_run_report(std::cout, sequence, result, arguments.out);
+  return report;
 }
 
-void add_input_options(CLI::App* command, MapArguments& arguments) {
-  command->add_option("SEQUENCE", arguments.sequence, "folder with the images (itself or in images/)")->required();
-  command->add_option("--odometry", arguments.odometry,
-                      "TUM file: t tx ty tz qx qy qz qw, world_from_camera (default: none; structure from motion)");
-  command->add_option("--model", arguments.model, "model of `fabloop train` (default: train on the sequence itself)");
-  command->add_option("--reference", arguments.reference, "TUM file to compare with (default: reference.tum in the folder)");
-  command->add_option("--camera", arguments.camera, "calibration file (default: camera.yaml in the folder, else EXIF)");
-  command->add_option("--out", arguments.out, "folder to write the run to")->required();
-  command->add_option("--save-map", arguments.save_map, "file to keep the keyframes in for later flights, as they come");
-  command->add_option("--earlier-map", arguments.earlier_map, "file of --save-map to look for loops in too; needs its --model");
-  command->add_option("--max-time-difference", arguments.max_time_difference_s, "seconds between an image and its pose")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_flag("--strict", arguments.strict, "stop at an image that cannot be read instead of skipping it");
-  command->add_flag("--overwrite", arguments.overwrite, "replace the folder if it exists");
-  command->add_flag("--no-report", arguments.no_report, "do not write report.html");
-}
-
-void add_reconstruction_options(CLI::App* command, MapArguments& arguments) {
-  command->add_flag("--from-images", arguments.from_images,
-                    "structure from motion although there is odometry, which then gives the unit of length only");
-  command->add_flag("--without-loops", arguments.without_loops,
-                    "without odometry: make the map of neighbouring images alone, too, as trajectory_odometry.tum to compare with");
-  command->add_flag("--fresh", arguments.fresh, "without odometry: forget what a stopped run left in OUT.part");
-  command->add_option("--gps", arguments.gps,
-                      "without odometry: lines filename,latitude,longitude,altitude (default: gps.csv in the folder, else EXIF)");
-  command
-      ->add_option("--gps-use", arguments.gps_use,
-                   "witness: only to compare with; align: for unit, place and attitude; prior: also to straighten the map")
-      ->check(CLI::IsMember({"witness", "align", "prior"}))
-      ->capture_default_str();
-  command->add_option("--gps-sigma", arguments.gps_sigma_m, "standard deviation of the GPS along each axis, metres")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command->add_option("--gps-neighbours", arguments.gps_neighbours, "compare each image with so many of the nearest by GPS, too")
-      ->capture_default_str();
-  command
-      ->add_option("--refine", arguments.refine, "without odometry: what of the camera to refine where the images determine it")
-      ->check(CLI::IsMember({"nothing", "focal", "focal-radial"}))
-      ->capture_default_str();
-}
-
-void add_method_options(CLI::App* command, MapArguments& arguments) {
-  MapSequenceOptions& options = arguments.options;
-  LoopCloserOptions& loops = options.mapper.loops;
-  add_feature_arguments(command, arguments.features, "as the model; without one, ");
-  command->add_option("--hypotheses", loops.hypotheses.max_hypotheses, "how many places to verify for each image")
-      ->capture_default_str();
-  command->add_option("--min-probability", loops.hypotheses.min_probability, "verify only places at least so probable")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  command->add_option("--window", loops.hypotheses.num_recent_excluded, "how many of the latest images are no loops")
-      ->capture_default_str();
-  command->add_option("--new-place", arguments.new_place, "likelihood of a new place; sampled needs a model of other places")
-      ->check(CLI::IsMember({"mean-field", "sampled"}))
-      ->capture_default_str();
-  command->add_option("--min-inliers", loops.verifier.min_inliers, "least inliers of a loop")->capture_default_str();
-  command->add_option("--max-error-px", loops.verifier.max_error_px, "largest epipolar error of an inlier")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  command
-      ->add_option("--confirm", loops.consistency.num_required,
-                   "believe a loop only when those of so many other images in a row agree with it; 0: at once")
-      ->capture_default_str();
-  command
-      ->add_option("--match-by", arguments.match_by,
-                   "features: compare all of two images; words: those of one visual word, which is faster and misses some loops")
-      ->check(CLI::IsMember({"features", "words"}))
-      ->capture_default_str();
-  command
-      ->add_option("--keyframe-windows", loops.window_size,
-                   "a loop whose length no depth tells gets it from so many images around either side; 0: none does")
-      ->check(CLI::Range(0, 20))
-      ->capture_default_str();
-  command->add_option("--seed", options.seed, "another number: other samples")->capture_default_str();
+void run_map(MapArguments& arguments, const CommonOptions& common) {
+  const auto if_exists = arguments.overwrite ? OutputFolder::IfExists::Replace : OutputFolder::IfExists::Refuse;
+  OutputFolder::require_usable(arguments.out, if_exists);  // before the work, not after it
+  LiveRun live(arguments.live, sequence_name(arguments.sequence), arguments.out);
+  live.until_end_of([&] {
+    if (arguments.odometry.empty() || arguments.from_images) return run_reconstruct(arguments, common, if_exists, live);
+    return run_with_odometry(arguments, common, if_exists, live);
+  });
 }
 
 }  // namespace
@@ -256,9 +185,7 @@ void add_method_options(CLI::App* command, MapArguments& arguments) {
 void add_map_command(CLI::App& program, const CommonOptions& common) {
   const auto arguments = std::make_shared<MapArguments>();
   CLI::App* command = program.add_subcommand("map", "Images in, with or without odometry; a map with its proven loops out");
-  add_input_options(command, *arguments);
-  add_reconstruction_options(command, *arguments);
-  add_method_options(command, *arguments);
+  add_map_arguments(command, *arguments);
   command->callback([arguments, &common] { run_map(*arguments, common); });
 }
 

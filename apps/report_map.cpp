@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "apps/report_map.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include <string>
 #include <unordered_map>
 
+#include "apps/live/live_map.h"
 #include "apps/report_images.h"
 
 namespace fabloop::apps {
@@ -50,21 +50,12 @@ ordered_json reference_track(const Trajectory& reference, const std::vector<std:
   return numbers;
 }
 
-/// Across the plane that the path mostly lies in; z or -y, the usual verticals, where one is near it.
 Eigen::Vector3d vertical(const Trajectory& trajectory, const Similarity& to) {
   Eigen::Matrix3Xd x(3, static_cast<Eigen::Index>(trajectory.size()));
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
     x.col(static_cast<Eigen::Index>(i)) = moved(to, trajectory[i].world_from_camera.translation);
   }
-  if (x.cols() < 3) return Eigen::Vector3d::UnitZ();
-  x.colwise() -= Eigen::Vector3d(x.rowwise().mean());
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(x * x.transpose());
-  const Eigen::Vector3d normal = axes.eigenvectors().col(0);
-  constexpr double kNear = 0.8;
-  for (const Eigen::Vector3d& usual : {Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(0, -1, 0)}) {
-    if (std::abs(usual.dot(normal)) > kNear) return usual;
-  }
-  return normal.z() < 0.0 ? Eigen::Vector3d(-normal) : normal;
+  return vertical_of(x);
 }
 
 struct GreyPoint {

@@ -37,14 +37,21 @@ std::string as_html(const std::string& text) {
 
 }  // namespace
 
+std::string report_page(const std::string& title, const nlohmann::ordered_json& data) {
+  const std::string_view page = kReportPage;
+  const std::size_t title_at = page.find(kTitleMark), data_at = page.find(kDataMark);
+  std::string text(page.substr(0, title_at));
+  text += as_html(title);
+  text += page.substr(title_at + kTitleMark.size(), data_at - title_at - kTitleMark.size());
+  text += as_script(data);
+  text += page.substr(data_at + kDataMark.size());
+  return text;
+}
+
 void write_report(const std::filesystem::path& path, const ReportInput& input) {
   const nlohmann::ordered_json data = report_data(input);
-  const std::string_view page = kReportPage;
-  const std::size_t title = page.find(kTitleMark), body = page.find(kDataMark);
   OutputFile file(path);
-  file.stream() << page.substr(0, title) << as_html(data["summary"].value("sequence", std::string("run")))
-                << page.substr(title + kTitleMark.size(), body - title - kTitleMark.size()) << as_script(data)
-                << page.substr(body + kDataMark.size());
+  file.stream() << report_page(data["summary"].value("sequence", std::string("run")), data);
   file.commit();
 }
 

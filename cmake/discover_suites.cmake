@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Writes OUTPUT, in which every suite of the test program PROGRAM is a ctest of its own with PROPERTIES (a list of names and values).
+# Writes OUTPUT, in which every suite of the test program PROGRAM is a ctest of its own with PROPERTIES (a list of names and values);
+# the suite SLOW, where one is named, with the label `slow`.
 execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed RESULT_VARIABLE status)
 if(NOT status EQUAL 0)
   message(FATAL_ERROR "${PROGRAM} does not list its tests")
@@ -15,8 +16,12 @@ string(REPLACE ";" " " PROPERTIES "${PROPERTIES}")
 set(tests "")
 foreach(suite IN LISTS suites)
   string(REGEX REPLACE "[\n.]" "" suite "${suite}")
+  set(label "")
+  if(suite STREQUAL "${SLOW}")
+    set(label " LABELS slow")
+  endif()
   string(APPEND tests
     "add_test([==[${suite}]==] [==[${PROGRAM}]==] [==[--gtest_filter=${suite}.*]==])\n"
-    "set_tests_properties([==[${suite}]==] PROPERTIES SKIP_REGULAR_EXPRESSION [==[${skipped}]==] ${PROPERTIES})\n")
+    "set_tests_properties([==[${suite}]==] PROPERTIES SKIP_REGULAR_EXPRESSION [==[${skipped}]==] ${PROPERTIES}${label})\n")
 endforeach()
 file(WRITE "${OUTPUT}" "${tests}")

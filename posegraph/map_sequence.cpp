@@ -63,8 +63,10 @@ SequenceMap map_sequence(const Sequence& sequence, const std::optional<Model>& m
     const Frame& input = sequence.frames[frame.frame];
     mapper.process(input, std::move(frame));
     if (options.progress) options.progress("mapping", ++num_done, described.frames.size());
+    if (options.watch) options.watch(mapper.map());
   }
   result.map = mapper.finish();
+  if (options.watch) options.watch(result.map);
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 
 #include "frontend/fabmap/model.h"
@@ -15,6 +16,9 @@
 
 namespace fabloop {
 
+/// Called with a map that grows, after each of its frames and once when it is finished, from the thread that makes it.
+using WatchMap = std::function<void(const Map&)>;
+
 struct MapSequenceOptions {
   FeatureOptions features;  ///< Only without a model; a model brings its own.
   IfDamaged if_damaged = IfDamaged::Skip;
@@ -24,6 +28,7 @@ struct MapSequenceOptions {
   int num_threads = 0;                  ///< 0: all. The result does not depend on it.
   Warn warn;
   Progress progress;
+  WatchMap watch{};  ///< For those who show it while it grows. The result does not depend on it.
 };
 
 struct SequenceMap {

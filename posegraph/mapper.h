@@ -66,6 +66,10 @@ class Mapper {
   /// Frames in order of time. A frame without odometry is left out and counted.
   void process(const Frame& frame, DescribedFrame described);
 
+  /// What there is so far: the graph as last solved, the ledger, the trajectories of odometry and of that time. The rest comes with
+  /// finish().
+  const Map& map() const { return map_; }
+
   /// Solves the whole graph, withdraws the loops that contradict it, and hands everything over.
   Map finish();
 

@@ -6,21 +6,21 @@ const tracks = [
   {key: 'odometry', name: 'odometry', dash: [7, 5], on: true},
   {key: 'online', name: 'as believed at the time', dash: [], on: false},
   {key: 'final', name: 'result', dash: [], on: true},
-].filter((track) => report.map[track.key] && report.map[track.key].length > 0)
+].filter((track) => report.map[track.key] && (report.live || report.map[track.key].length > 0))
  .map((track) => ({...track, positions: trackOf(report.map[track.key])}));
 const finalTrack = tracks.find((track) => track.key === 'final').positions;
 const loopsOn = categories.map((_, index) => index <= WITHDRAWN);
-const scene = {centre: [0, 0], scale: 1, points: report.map.points, pointsOn: true, space: null, isSpace: false};
+const scene = {centre: [0, 0], scale: 1, points: report.map.points, pointsOn: true, space: null, isSpace: false, isMoved: false, newest: null};
 
 /** Axes of the view from above: x and y across the vertical, as near as may be to the world's. */
-const [alongX, alongY] = (() => {
-  const up = report.map.up;
+function axesAcross(up) {
   const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   const across = (a) => { const d = dot(a, up), v = a.map((value, i) => value - d * up[i]), n = Math.hypot(...v); return v.map((value) => value / n); };
   const x = across(Math.abs(up[0]) > 0.9 ? [0, 1, 0] : [1, 0, 0]);
   const y = [up[1] * x[2] - up[2] * x[1], up[2] * x[0] - up[0] * x[2], up[0] * x[1] - up[1] * x[0]];
   return [x, y];
-})();
+}
+let [alongX, alongY] = axesAcross(report.map.up);
 const flat = (p) => [p[0] * alongX[0] + p[1] * alongX[1] + p[2] * alongX[2], p[0] * alongY[0] + p[1] * alongY[1] + p[2] * alongY[2]];
 for (const track of tracks) track.flat = new Map([...track.positions].map(([frame, position]) => [frame, flat(position)]));
 const finalFlat = tracks.find((track) => track.key === 'final').flat;
@@ -39,6 +39,12 @@ function fitAbove() {
   const xs = all.map((p) => p[0]), ys = all.map((p) => p[1]);
   const range = (values) => values.reduce(([low, high], value) => [Math.min(low, value), Math.max(high, value)], [Infinity, -Infinity]);
   const [x0, x1] = range(xs), [y0, y1] = range(ys);
+  scene.isMoved = false;
+  if (!(x1 - x0 + (y1 - y0) > 0)) {  // nothing yet, or one place
+    scene.centre = all.length > 0 ? all[0] : [0, 0];
+    scene.scale = 1;
+    return;
+  }
   scene.centre = [(x0 + x1) / 2, (y0 + y1) / 2];
   scene.scale = 0.88 * Math.min(canvas.clientWidth / Math.max(x1 - x0, 1e-6), canvas.clientHeight / Math.max(y1 - y0, 1e-6));
 }
@@ -64,6 +70,7 @@ function drawPoints(context, canvas) {
 }
 
 function drawScaleBar(context, canvas) {
+  if (finalFlat.size === 0) return;
   const wanted = 110 / scene.scale, power = Math.pow(10, Math.floor(Math.log10(wanted)));
   const length = [1, 2, 5, 10].map((factor) => factor * power).filter((candidate) => candidate <= wanted * 1.01).pop() || power;
   const x = canvas.clientWidth - 16, y = canvas.clientHeight - 16;
@@ -118,6 +125,29 @@ function drawChoice(context) {
   }
 }
 
+/** Frames that have their places before their neighbours have, which no line shows. */
+function drawFrames(context) {
+  if (!tracks.find((track) => track.key === 'final').on) return;
+  context.fillStyle = colour('final');
+  for (const position of finalFlat.values()) {
+    const [x, y] = toScreen(position);
+    context.fillRect(x - 2, y - 2, 4, 4);
+  }
+}
+
+/** Where a run that goes on is now. */
+function drawNewest(context) {
+  const place = scene.newest === null ? null : finalFlat.get(scene.newest);
+  if (!place) return;
+  const [x, y] = toScreen(place);
+  for (const [style, radius] of [[colour('paper'), 8], [colour('final'), 6]]) {
+    context.fillStyle = style;
+    context.beginPath();
+    context.arc(x, y, radius, 0, 2 * Math.PI);
+    context.fill();
+  }
+}
+
 function drawAbove() {
   const canvas = byId('above'), ratio = window.devicePixelRatio || 1;
   if (canvas.clientWidth === 0) return;
@@ -136,14 +166,16 @@ function drawAbove() {
     let previous = null;
     for (const [frame, position] of track.flat) {
       const [x, y] = toScreen(position);
-      // Frames without a pose leave a gap.
-      if (previous !== null && frame - previous <= 20) context.lineTo(x, y); else context.moveTo(x, y);
+      // Frames without a pose leave a gap; while a map grows, those that are yet to come.
+      if (previous !== null && frame - previous <= (report.live ? 1 : 20)) context.lineTo(x, y); else context.moveTo(x, y);
       previous = frame;
     }
     context.stroke();
     context.setLineDash([]);
   }
+  if (report.live) drawFrames(context);
   drawChoice(context);
+  drawNewest(context);
   drawScaleBar(context, canvas);
 }
 
@@ -162,6 +194,7 @@ function zoomAt(factor, x, y) {
   const canvas = byId('above'), dx = x - canvas.clientWidth / 2, dy = canvas.clientHeight / 2 - y;
   scene.centre = [scene.centre[0] + dx / scene.scale * (1 - 1 / factor), scene.centre[1] + dy / scene.scale * (1 - 1 / factor)];
   scene.scale *= factor;
+  scene.isMoved = true;
   redrawMap();
 }
 
@@ -190,6 +223,7 @@ function setUpPointer(canvas) {
     moved += Math.abs(dx) + Math.abs(dy);
     scene.centre = [scene.centre[0] - dx / scene.scale, scene.centre[1] + dy / scene.scale];
     from = [event.offsetX, event.offsetY];
+    if (moved >= 5) scene.isMoved = true;
     redrawMap();
   });
   canvas.addEventListener('pointerup', (event) => {
@@ -211,6 +245,7 @@ function setUpPointer(canvas) {
     else if (event.key === '-') scene.scale /= 1.25;
     else return;
     event.preventDefault();
+    scene.isMoved = true;
     redrawMap();
   });
 }

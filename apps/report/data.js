@@ -3,7 +3,7 @@
 
 const report = JSON.parse(document.getElementById('data').textContent);
 const ledger = report.ledger;
-const numRows = ledger.query.length;
+let numRows = ledger.query.length;  // of a live page it grows
 const numFrames = report.frames.length;
 
 /** What became of a hypothesis, in the order of interest: its colour is the style sheet's variable of that name. */

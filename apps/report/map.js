@@ -17,7 +17,7 @@ function showView(isSpace) {
   scene.isSpace = isSpace;
   byId('view-above').setAttribute('aria-pressed', !isSpace);
   byId('view-space').setAttribute('aria-pressed', isSpace);
-  byId('map-hint').textContent = isSpace ? 'Drag to turn, scroll to zoom, right-drag to move.' : 'Drag to move, Shift and scroll to zoom, click a loop to see its images.';
+  byId('map-hint').textContent = isSpace ? 'Drag to turn, scroll to zoom, right-drag to move.' : 'Drag to move, Shift and scroll to zoom, click a loop to see ' + (report.live ? 'what it is.' : 'its images.');
   if (isSpace) fillSpace();
   redrawMap();
 }
@@ -40,12 +40,17 @@ function keepExtent() {
 function setUpMap() {
   for (const track of tracks) {
     const swatch = element('span', {class: 'swatch' + (track.dash.length > 0 ? ' dashed' : ''), style: `color: var(--${track.key})`});
-    byId('layers').append(layerSwitch(track.name, swatch, track.on, (on) => { track.on = on; }));
+    const label = layerSwitch(track.name, swatch, track.on, (on) => { track.on = on; });
+    label.dataset.track = track.key;
+    byId('layers').append(label);
   }
   categories.forEach((category, index) => {
-    if (numOfCategory[index] === 0) return;
+    const mayCome = report.live && index !== FALSE && index !== MISSED;  // those two are for who knows the truth
+    if (numOfCategory[index] === 0 && !mayCome) return;
     const swatch = element('span', {class: 'swatch', style: `color: var(--${category.colour})`});
-    byId('layers').append(layerSwitch(`${category.name} (${numOfCategory[index]})`, swatch, loopsOn[index], (on) => { loopsOn[index] = on; }));
+    const label = layerSwitch(`${category.name} (${numOfCategory[index]})`, swatch, loopsOn[index], (on) => { loopsOn[index] = on; });
+    label.dataset.category = index;
+    byId('layers').append(label);
   });
   if (mapPoints) byId('layers').append(layerSwitch('points', null, scene.pointsOn, (on) => { scene.pointsOn = on; }));
   setUpPointer(byId('above'));

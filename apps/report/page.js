@@ -221,7 +221,8 @@ function setUpPage() {
   setUpTheme();
   const row = firstChoice();
   if (row >= 0) choice.set(row);
+  if (document.body.dataset.wasLive) tellWhereItIsKept();
   document.documentElement.dataset.ready = 'yes';
 }
 
-setUpPage();
+if (report.live) setUpLive(); else setUpPage();

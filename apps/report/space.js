@@ -46,9 +46,11 @@ function fillSpace() {
 }
 
 function fitSpace() {
+  if (finalTrack.size === 0) return;
   const all = [...finalTrack.values()], range = (axis) => all.reduce(([low, high], p) => [Math.min(low, p[axis]), Math.max(high, p[axis])], [Infinity, -Infinity]);
   const ranges = [0, 1, 2].map(range), centre = ranges.map(([low, high]) => (low + high) / 2);
   const size = Math.max(1e-3, Math.hypot(...ranges.map(([low, high]) => high - low)));
+  scene.isMoved = false;
   const {camera, controls} = scene.space, up = new THREE.Vector3(...report.map.up);
   camera.near = size / 1000;
   camera.far = size * 50;
@@ -69,6 +71,7 @@ function setUpSpace() {
   box.append(renderer.domElement);
   const controls = new THREE.OrbitControls(camera, renderer.domElement);
   controls.addEventListener('change', redrawMap);
+  controls.addEventListener('start', () => { scene.isMoved = true; });
   scene.space = {renderer, camera, world, controls};
   fillSpace();
   fitSpace();

@@ -96,6 +96,7 @@ std::size_t grow_and_tell(const Scene& scene, Segment& segment, const std::vecto
       adjust_all();
     }
     if (options.progress) options.progress("placing", placed, scene.views.size());
+    if (options.watch) options.watch(segment);
   }
   return num_added;
 }

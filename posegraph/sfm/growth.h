@@ -15,6 +15,9 @@
 
 namespace fabloop {
 
+/// Called with a segment that grows, after each view that it was given, from the thread that grows it.
+using WatchSegment = std::function<void(const Segment&)>;
+
 struct GrowthOptions {
   TwoViewStartOptions start;
   ResectionOptions resection;
@@ -28,6 +31,7 @@ struct GrowthOptions {
   /// A start is good when this share of the track members of its first views lies on their points.
   double min_start_agreement = 0.6;
   Progress progress;
+  WatchSegment watch{};  ///< The result does not depend on it.
 };
 
 /// What build_segments() has done: enough to go on from there to the same result.

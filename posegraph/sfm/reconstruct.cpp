@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "frontend/error.h"
 #include "posegraph/sfm/kept_work.h"
@@ -43,8 +44,10 @@ TrackSet tracks_of(const std::vector<View>& views, const std::vector<ViewPair>& 
 }
 
 /// Segments as far as they grow, join, and grow again.
-std::vector<Segment> place(const Scene& scene, const std::vector<ViewPair>& pairs, const ReconstructOptions& options,
-                           WorkState& state) {
+std::vector<Segment> place(const Scene& scene, const std::vector<ViewPair>& pairs, ReconstructOptions options, WorkState& state) {
+  if (options.watch) {
+    options.growth.watch = [&](const Segment& segment) { options.watch({"placing", scene.views, pairs, segment}); };
+  }
   auto kept = state.read_as(kKeptSegments, take_segments);
   const auto keep = [&](const SegmentsSoFar& so_far) { state.write(kKeptSegments, bytes_of(so_far)); };
   std::vector<Segment> segments = build_segments(scene, pairs, options.growth, kept ? std::move(*kept) : SegmentsSoFar{},
@@ -139,7 +142,9 @@ Trajectory odometry_of(const Sequence& sequence, const std::vector<View>& views,
   const TrackSet tracks = tracks_of(views, pairs);
   const Scene scene{views, tracks};
   WorkState none;
-  std::vector<Segment> segments = place(scene, pairs, options, none);
+  ReconstructOptions unwatched = options;
+  unwatched.watch = {};  // it is another map
+  std::vector<Segment> segments = place(scene, pairs, std::move(unwatched), none);
   Trajectory odometry;
   if (segments.empty()) return odometry;
   finish(scene, segments.front(), options);
@@ -205,12 +210,19 @@ Reconstructed run_stages(const Sequence& sequence, const std::optional<Model>& m
                      " images can be placed: " + std::to_string(pairs.size()) + " of " + std::to_string(candidates.size()) +
                      " pairs provably overlap; more overlap, sharper images or the right calibration may help");
   }
+  const auto begin = [&](std::string_view stage) {
+    if (options.watch) options.watch({stage, scene.views, pairs, segments.front()});
+  };
+  begin("adjust");
   finish(scene, segments.front(), options);
   stages.end("adjust");
+  begin("camera");
   check_and_refine_camera(views.views, scene, segments.front(), result, options);
   stages.end("camera");
+  begin("georeference");
   const LengthUnit unit = take_positions(scene, segments.front(), result, options);
   stages.end("georeference");
+  begin("result");
   const ReprojectionStatistics statistics = reprojection_statistics(scene, segments.front());
   result.mean_error_px = statistics.mean_px;
   result.num_sightings = statistics.num_sightings;
@@ -219,6 +231,7 @@ Reconstructed run_stages(const Sequence& sequence, const std::optional<Model>& m
   if (unit == LengthUnit::Metres) result.reconstruction.origin = options.origin;
   tell_what_is_left(views, scene, pairs, segments, options.growth, result);
   if (options.also_without_loops) {
+    begin("without loops");
     result.odometry = odometry_of(sequence, views.views, pairs, result.reconstruction, options);
     stages.end("without loops");
   }

@@ -4,8 +4,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -29,6 +31,17 @@ namespace fabloop {
 
 /// Features as structure from motion wants them: more than recognition does, for tracks through many views.
 FeatureOptions reconstruction_features();
+
+/// A map from images alone while it is made.
+struct PlacedSoFar {
+  std::string_view stage;              ///< "placing", then the names of the later stages (see StageTime), "result" in the end.
+  const std::vector<View>& views;      ///< All of the scene.
+  const std::vector<ViewPair>& pairs;  ///< Proven by two views; positions in `views`.
+  const Segment& segment;              ///< The one that grows, which need not be the largest.
+};
+
+/// Called after each view that was placed and when a later stage begins, from the thread that makes the map.
+using WatchPlaced = std::function<void(const PlacedSoFar&)>;
 
 struct ReconstructOptions {
   FeatureOptions features = reconstruction_features();  ///< Only without a model; a model brings its own.
@@ -56,6 +69,7 @@ struct ReconstructOptions {
   WorkState::IfFound if_state_found = WorkState::IfFound::Resume;
   Warn warn;
   Progress progress;
+  WatchPlaced watch{};  ///< For those who show the map while it grows. The result does not depend on it.
 };
 
 /// A frame without a place, and why.

@@ -27,11 +27,15 @@ struct Pipe {
   Pipe() {
     if (pipe2(ends.data(), O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
   }
-  std::string read_to_end() {
+  std::string read_to_end(const std::function<void(const std::string&)>& on_line = {}) {
     std::string text;
+    std::size_t begin = 0;  // of the line that is not yet complete
     std::array<char, 4096> buffer{};
-    for (ssize_t n = 0; (n = read(ends[0], buffer.data(), buffer.size())) > 0;)
+    for (ssize_t n = 0; (n = read(ends[0], buffer.data(), buffer.size())) > 0;) {
       text.append(buffer.data(), static_cast<std::size_t>(n));
+      for (std::size_t end = 0; on_line && (end = text.find('\n', begin)) != std::string::npos; begin = end + 1)
+        on_line(text.substr(begin, end - begin));
+    }
     close(ends[0]);
     return text;
   }
@@ -73,7 +77,7 @@ ProgramResult run_fabloop(const std::vector<std::string>& arguments, const Progr
     }
   });
   std::thread reader([&] { result.err = err.read_to_end(); });
-  result.out = out.read_to_end();
+  result.out = out.read_to_end(limits.on_line);
   reader.join();
   is_done = true;
   killer.join();

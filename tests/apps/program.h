@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <set>
 #include <string>
@@ -22,6 +23,8 @@ struct ProgramLimits {
   std::optional<std::size_t> max_file_bytes{};
   /// The program is killed (SIGKILL: it cannot tidy up) as soon as this exists.
   std::filesystem::path kill_when_exists{};
+  /// Called with each line of its output as it comes; meanwhile the program goes on.
+  std::function<void(const std::string&)> on_line{};
 };
 
 /// Runs `fabloop ARGUMENTS...` to its end.

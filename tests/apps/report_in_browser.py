@@ -15,12 +15,22 @@ import time
 SKIPPED = 77
 
 
-def open_browser(width, height):
+def missing():
+    """What a browser cannot be opened without; empty where nothing is missing."""
+    try:
+        import selenium  # noqa: F401
+    except ImportError:
+        return "Selenium is not installed (Debian: python3-selenium)"
+    return "" if shutil.which("chromedriver") and shutil.which("chromium") else "Chromium is not installed (Debian: chromium-driver)"
+
+
+def open_browser(width, height, reachable="nothing"):
+    """A browser that reaches no address but this one."""
     from selenium import webdriver
     from selenium.webdriver.chrome.service import Service
     options = webdriver.ChromeOptions()
     for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--enable-unsafe-swiftshader", "--use-angle=swiftshader",
-                     f"--window-size={width},{height}", "--host-resolver-rules=MAP * ~NOTFOUND", "--force-device-scale-factor=1"):
+                     f"--window-size={width},{height}", f"--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE {reachable}", "--force-device-scale-factor=1"):
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     return webdriver.Chrome(options=options, service=Service(shutil.which("chromedriver")))
@@ -143,13 +153,8 @@ def main():
     parser.add_argument("report", type=pathlib.Path)
     parser.add_argument("--screenshots", type=pathlib.Path)
     arguments = parser.parse_args()
-    try:
-        import selenium  # noqa: F401
-    except ImportError:
-        print("skipped: Selenium is not installed (Debian: python3-selenium)")
-        return SKIPPED
-    if not shutil.which("chromedriver") or not shutil.which("chromium"):
-        print("skipped: Chromium is not installed (Debian: chromium-driver)")
+    if missing():
+        print("skipped: " + missing())
         return SKIPPED
     for name, width, height in (("desktop", 1440, 1000), ("narrow", 500, 900)):
         browser = open_browser(width, height)

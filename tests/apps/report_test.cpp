@@ -73,7 +73,7 @@ TEST(Explain, TellsThePairAndDrawsIt) {
   expect_refused(run_fabloop({"explain", flight.run().string(), "100000", "0"}), "frames.csv");
 }
 
-TEST(Report, EveryControlWorksInABrowser) {
+TEST(ReportInABrowser, EveryControlWorks) {
   const MappedFlight flight;
   const std::string command =
       "/usr/bin/python3 " FABLOOP_SOURCE_DIR "/tests/apps/report_in_browser.py " + (flight.run() / "report.html").string();
