@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include "frontend/error.h"
 #include "tests/posegraph/scratch_folder.h"
 
@@ -44,6 +46,16 @@ std::string with(const std::string& from, const std::string& to) {
   std::string text = kWhole;
   text.replace(text.find(from), from.size(), to);
   return text;
+}
+
+TEST(LabDescription, ThoseOfThisRepositoryAreRead) {
+  std::size_t num_read = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(FABLOOP_SOURCE_DIR "/data/lab")) {
+    if (entry.path().extension() != ".yaml") continue;
+    EXPECT_FALSE(read_lab_description(entry.path()).methods.empty()) << entry.path();
+    ++num_read;
+  }
+  EXPECT_GT(num_read, 5U);
 }
 
 TEST(LabDescription, IsReadWhole) {
