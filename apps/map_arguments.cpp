@@ -71,13 +71,15 @@ void add_method_options(CLI::App* command, MapArguments& arguments) {
                    "believe a loop only when those of so many other images in a row agree with it; 0: at once")
       ->capture_default_str();
   command
-      ->add_option("--match-by", arguments.match_by,
-                   "features: compare all of two images; words: those of one visual word, which is faster and misses some loops")
+      ->add_option(
+          "--match-by", arguments.match_by,
+          "with odometry: compare all features of two images, or those of one visual word, which is faster and misses some loops")
       ->check(CLI::IsMember({"features", "words"}))
       ->capture_default_str();
   command
-      ->add_option("--keyframe-windows", loops.window_size,
-                   "a loop whose length no depth tells gets it from so many images around either side; 0: none does")
+      ->add_option(
+          "--keyframe-windows", loops.window_size,
+          "with odometry: a loop whose length no depth tells gets it from so many images around either side; 0, 1: none does")
       ->check(CLI::Range(0, 20))
       ->capture_default_str();
   command->add_option("--seed", options.seed, "another number: other samples")->capture_default_str();

@@ -48,6 +48,8 @@ std::string run_parameters_json(const MapSequenceOptions& options, const Feature
   for_each_limit(loops.verifier, [&](const char* name, const auto& value) { verifier[name] = value; });
   verifier["second_look_features"] = loops.verifier.second_look.num_first_features;
   verifier["guided"] = loops.verifier.guided;
+  verifier["match_by"] = loops.verifier.match_by == MatchBy::Words ? "words" : "features";
+  verifier["keyframe_windows"] = loops.window_size;
   return Json{{"hypotheses",
                {{"max_hypotheses", loops.hypotheses.max_hypotheses},
                 {"num_recent_excluded", loops.hypotheses.num_recent_excluded},

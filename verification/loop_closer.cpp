@@ -199,24 +199,33 @@ void LoopCloser::ask_windows_for_scale(const std::vector<Hypothesis>& hypotheses
     if (found.verdict == Verdict::Accepted && !found.has_scale) asked.push_back(i);
   }
   if (asked.empty()) return;
-  const std::vector<WindowView> query = window_around(map_.keyframes.size() - 1);
+  const std::vector<WindowView> query = window_around(map_.keyframes.size() - 1, map_.keyframes.size());
+  const std::size_t query_begin = map_.keyframes.size() - query.size();
+  WindowOptions options = options_.window;
+  options.matching = options_.verifier.matching;
+  options.max_error_px = options_.verifier.max_error_px;
+  options.seed = options_.verifier.seed;
   parallel_for(asked.size(), options_.num_threads, [&](std::size_t i) {
+    const Hypothesis& hypothesis = hypotheses[asked[i]];
+    if (hypothesis.place >= query_begin) return;  // views of both windows would prove themselves
     Verification& found = event.hypotheses[asked[i]].verification;
-    auto scaled = scale_by_windows(found, query, window_around(hypotheses[asked[i]].place), options_.window, options_.verifier);
-    if (scaled) found = *std::move(scaled);
+    auto scaled = scale_by_windows(found, query, window_around(hypothesis.place, query_begin), options, options_.verifier);
+    if (!scaled) return;
+    scaled->p_true = loop_probability(*scaled, {odometry_prior(hypothesis.place), hypothesis.probability});
+    if (scaled->p_true >= options_.verifier.min_probability) found = *std::move(scaled);
   });
 }
 
-std::vector<WindowView> LoopCloser::window_around(std::size_t position) const {
+std::vector<WindowView> LoopCloser::window_around(std::size_t position, std::size_t end) const {
   const std::size_t session = map_.keyframes[position].session;
   const auto is_of_session = [&](std::size_t i) { return map_.keyframes[i].session == session; };
-  std::size_t end = position + 1, begin = position;
-  for (std::size_t i = 0; i < options_.window_size / 2 && end < map_.keyframes.size() && is_of_session(end); ++i) ++end;
-  while (begin > 0 && end - begin < options_.window_size && is_of_session(begin - 1)) --begin;
+  std::size_t begin = position, last = position;
+  for (std::size_t i = 0; i < options_.window_size / 2 && last + 1 < end && is_of_session(last + 1); ++i) ++last;
+  while (begin > 0 && last - begin + 1 < options_.window_size && is_of_session(begin - 1)) --begin;
   const Pose& body_from_camera = map_.sessions[session].body_from_camera;
   const Pose window_from_odom = (map_.keyframes[position].odom_from_body * body_from_camera).inverse();
   std::vector<WindowView> window;
-  for (std::size_t i = begin; i < end; ++i) {
+  for (std::size_t i = begin; i <= last; ++i) {
     window.push_back({&map_.keyframes[i].view, window_from_odom * map_.keyframes[i].odom_from_body * body_from_camera});
   }
   NeighbourOptions options = options_.neighbour;

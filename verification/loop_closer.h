@@ -54,7 +54,7 @@ struct LoopCloserOptions {
   /// A loop without a length gets the one that so many keyframes around either side tell, the latest ones around the query. For
   /// hosts without depth whose steps are too short for points. It costs the square of this many comparisons a loop. 0, 1: never.
   std::size_t window_size = 0;
-  WindowOptions window;
+  WindowOptions window;  ///< Matching, max_error_px and seed are the verifier's.
   int num_threads = 0;  ///< Hypotheses of one keyframe are verified in parallel; the result does not depend on it.
   Warn warn{};          ///< Told when keyframes look unlike the images that the model was trained on; see DomainCheck.
 };
@@ -83,8 +83,9 @@ class LoopCloser {
   void link_to_earlier(LoopEvent& event);
   void verify(const std::vector<Hypothesis>& hypotheses, LoopEvent& event) const;
   void ask_windows_for_scale(const std::vector<Hypothesis>& hypotheses, LoopEvent& event) const;
-  /// The cameras of the keyframes of one session around a position of the map, in the frame of that one, their steps refined.
-  std::vector<WindowView> window_around(std::size_t position) const;
+  /// The cameras of the keyframes of one session around a position of the map, all of them before `end`; in the frame of the
+  /// camera at that position, their steps refined.
+  std::vector<WindowView> window_around(std::size_t position, std::size_t end) const;
   /// What the odometry says of the pose of the last keyframe's camera in that of an earlier one, where it says anything.
   std::optional<PosePrior> odometry_prior(std::size_t match) const;
   void hand_out_loops(LoopEvent& event);

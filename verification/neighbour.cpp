@@ -2,6 +2,7 @@
 #include "verification/neighbour.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -76,6 +77,7 @@ std::optional<SeenNeighbour> see_neighbour(const View& previous, const View& cur
 }
 
 void give_depths(View& recent, View& current, const RecentNeighbour& neighbour) {
+  if (neighbour.seen.points.empty()) return;
   const Pose current_from_recent = neighbour.seen.link.previous_from_current.inverse();
   const auto gets_them = [&](View& view) {
     if (neighbour.unit_sigma > 0) return count_points(view) == 0;
@@ -104,10 +106,11 @@ std::optional<NeighbourLink> link_neighbours(View& previous, View& current, cons
 
 std::vector<RecentNeighbour> see_recent(std::span<const RecentView> recent, const View& current, std::size_t max_links,
                                         const NeighbourOptions& options, int num_threads) {
-  // Of steps alike, whose relative error never grows while the camera goes straight on.
-  constexpr double kAsWell = 1.2;
+  // Of steps alike, whose relative error never grows while the camera goes straight on. While it stands there is no step.
+  constexpr double kAsWell = 1.2, kNoStep = 0.5;
+  const auto step = std::find_if(recent.begin(), recent.end(), [](const RecentView& v) { return v.distance_sigma < kNoStep; });
   const double max_distance_sigma =
-      std::max(options.max_distance_sigma, recent.empty() ? 0.0 : kAsWell * recent.front().distance_sigma);
+      std::max(options.max_distance_sigma, step == recent.end() ? 0.0 : kAsWell * step->distance_sigma);
   std::vector<RecentNeighbour> found;
   std::size_t next = 0;
   while (found.size() < max_links && next < recent.size()) {
@@ -118,8 +121,8 @@ std::vector<RecentNeighbour> see_recent(std::span<const RecentView> recent, cons
       seen[i] = see_neighbour(*earlier.view, current, earlier.recent_from_current, options);
     });
     for (std::size_t i = 0; i < seen.size(); ++i) {
-      if (!seen[i]) continue;
       const double sigma = recent[next + i].distance_sigma;
+      if (!seen[i] || !std::isfinite(sigma)) continue;
       found.push_back({next + i, std::move(*seen[i]), sigma > max_distance_sigma ? sigma : 0.0});
     }
     next += seen.size();

@@ -25,7 +25,7 @@ struct NeighbourOptions {
   double max_direction_error_deg = 25.0;
   double min_parallax_deg = 1.0;  ///< Below it (hovering) the direction and all depths are noise.
   /// A distance that the odometry tells less well, relative, is no unit for depths where another is to be had: after a turn the way
-  /// between two views is long, and its errors are large against the distance. As well as the nearest view's always suffices.
+  /// between two views is long, and its errors are large against the distance. As well as a step's always suffices: the nearest view's whose distance is known to half of it.
   double max_distance_sigma = 0.06;
   int max_iterations = 1500;
   std::uint64_t seed = 0;

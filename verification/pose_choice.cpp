@@ -58,7 +58,14 @@ PoseChoice choose_pose(const View& query, const View& match, const std::vector<M
     const std::vector<Match> inliers = inlier_matches(matches, candidate.relative);
     const Pose& pose = candidate.relative.match_from_query;
     candidate.scale = estimate_scale(query, match, inliers, pose, options.scale);
-    if (!candidate.scale) candidate.scale = estimate_plane_scale(query, match, inliers, pose, options.plane_scale);
+    candidate.unit_sigma = candidate.scale ? std::max(query.unit_sigma, match.unit_sigma) : 0.0;
+    if (candidate.scale && candidate.unit_sigma <= options.plane_scale.height_sigma) continue;
+    if (auto of_plane = estimate_plane_scale(query, match, inliers, pose, options.plane_scale)) {
+      candidate.scale = of_plane;
+      candidate.unit_sigma = 0;
+    }
+  }
+  for (PoseCandidate& candidate : candidates) {
     candidate.ray_score = log_likelihood(candidate.relative, options.pose.max_error_rad);
     candidate.other_score = other_log_likelihood(candidate, prior);
   }

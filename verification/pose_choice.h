@@ -25,13 +25,14 @@ struct PosePrior {
 struct PoseChoiceOptions {
   RelativePoseOptions pose;
   ScaleOptions scale;             ///< By points.
-  PlaneScaleOptions plane_scale;  ///< By heights, where points do not tell it.
+  PlaneScaleOptions plane_scale;  ///< By heights, where points do not tell it, or in a vaguer unit.
 };
 
 /// One of the poses that explain a pair of views.
 struct PoseCandidate {
   RelativePose relative;
   std::optional<Scale> scale;  ///< What the points say of it, or the heights.
+  double unit_sigma = 0;       ///< Of the points' unit of length: View::unit_sigma.
   double ray_score = 0;        ///< Logarithm of the likelihood of its true pairs, up to a constant.
   double other_score = 0;      ///< The same of the points and of the prior.
 };

@@ -33,6 +33,12 @@ LoopEvidence evidence_of(const Verification& found, const PairPrior& prior) {
   return evidence;
 }
 
+/// The options of a pair whose points have a unit of length that is known so well.
+VerifierOptions of_unit(VerifierOptions options, double unit_sigma) {
+  options.scale_sigma = std::max(options.scale_sigma, unit_sigma);
+  return options;
+}
+
 bool has_words(const View& view) { return view.words.size() == view.features.keypoints.size(); }
 
 /// Of the first features of two views, which have the first of the views' words.
@@ -63,7 +69,6 @@ class Gates {
     pose_options_.seed = pair_seed(options.seed, query.frame, match.frame);
     pose_options_.min_inliers = static_cast<std::size_t>(std::max(0, options.min_inliers));
     result_.num_matches = static_cast<int>(matches_.size());
-    options_.scale_sigma = std::max({options.scale_sigma, query.unit_sigma, match.unit_sigma});
   }
 
   Verification pass() && {
@@ -185,17 +190,18 @@ class Gates {
     const double max_rotation_error_rad = std::max(4.0 * relative.noise_rad, 0.5 * pose_options_.max_error_rad);
     result_.rotation_share = fit_rotation(pairs_, relative.inliers, max_rotation_error_rad).share;
     if (result_.rotation_share > options_.max_rotation_share) {
-      decide_by_points(query_, match_, matches_, pairs_, pose_options_, options_, result_);
+      decide_by_points(query_, match_, matches_, pairs_, pose_options_,
+                       of_unit(options_, std::max(query_.unit_sigma, match_.unit_sigma)), result_);
     } else {
       result_.planar_lead = choice_.lead;
       if (choice_.lead && *choice_.lead < kMinLead) return void(fail(Verdict::AmbiguousPose));
-      decide_by_rays(pairs_, choice_.chosen, options_, result_);
+      decide_by_rays(pairs_, choice_.chosen, of_unit(options_, choice_.chosen.unit_sigma), result_);
     }
     const bool vague =
         rad_from_deg(result_.rotation_sigma_deg) > options_.max_rotation_sigma * field_of_view_rad(match_.camera) ||
         result_.translation_sigma > options_.max_translation_sigma;
     if (result_.verdict == Verdict::Accepted && vague) fail(Verdict::PoorlyConstrained);
-    result_.p_true = loop_probability(evidence_of(result_, prior_));
+    result_.p_true = loop_probability(result_, prior_);
     if (result_.verdict == Verdict::Accepted && result_.p_true < options_.min_probability) fail(Verdict::Improbable);
   }
 
@@ -203,7 +209,7 @@ class Gates {
   const View& match_;
   std::vector<Match> matches_, others_;
   const PairPrior& prior_;
-  VerifierOptions options_;  ///< With the scale_sigma of this pair.
+  const VerifierOptions& options_;
   std::vector<RayPair> pairs_;
   RelativePoseOptions pose_options_;
   PoseChoice choice_;
@@ -211,6 +217,8 @@ class Gates {
 };
 
 }  // namespace
+
+double loop_probability(const Verification& found, const PairPrior& prior) { return loop_probability(evidence_of(found, prior)); }
 
 Verification Verifier::verify(const View& query, const View& match, const PairPrior& prior) const {
   const SecondLook& look = options_.second_look;

@@ -119,6 +119,9 @@ struct PairPrior {
   double p_appearance = 0.5;  ///< Probability of the place by appearance; see LoopEvidence.
 };
 
+/// The probability that a loop with a pose is right; see loop_probability.h.
+double loop_probability(const Verification& found, const PairPrior& prior);
+
 /// Proves or rejects that two views show one place: match, relative pose (five points), the pose among those of a plane, the
 /// length of its translation where depth is known on either side. Deterministic; const, so any number of calls may run in
 /// parallel.

@@ -8,6 +8,7 @@
 
 #include "verification/chi_square.h"
 #include "verification/edge_information.h"
+#include "verification/pair_decision.h"
 #include "verification/uncertain_pose.h"
 
 namespace fabloop {
@@ -43,6 +44,8 @@ std::optional<Verification> scale_by_windows(const Verification& pair, std::span
   const EdgeInformation edge =
       metric_edge_information(found->match_from_query, found->information.inverse(), median_depth, options.scale_sigma);
   if (!(edge.translation_sigma <= options.max_translation_sigma * median_depth)) return std::nullopt;
+  if (!(edge.rotation_sigma_rad <= options.max_rotation_sigma * field_of_view_rad(match.front().view->camera)))
+    return std::nullopt;
   if (!tells_the_same(pair, found->match_from_query, edge.information.inverse())) return std::nullopt;
   Verification scaled = pair;
   scaled.match_from_query = found->match_from_query;

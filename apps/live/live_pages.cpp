@@ -17,6 +17,7 @@ constexpr std::size_t kMaxPages = 64, kMaxName = 64;
 void LivePages::answered(const std::string& page, LiveState state, bool wants_report, LiveClock::time_point now) {
   if (page.empty() || page.size() > kMaxName) return;
   const std::scoped_lock lock(mutex_);
+  if (pages_.size() >= kMaxPages) std::erase_if(pages_, [&](const auto& known) { return now - known.second.asked >= kLately; });
   if (pages_.size() >= kMaxPages && !pages_.contains(page)) return;
   Page& known = pages_[page];
   known.asked = now;

@@ -17,7 +17,7 @@ class LiveServer {
   /// Answers from here on, from threads of its own. `port` 0: any that is free. The feed must outlive it. Throws InputError when
   /// the port is in use or may not be used, and when the program was built without a server.
   LiveServer(const LiveFeed& feed, std::string page, int port = 0);
-  /// Stops and joins its threads, within seconds whatever its clients do.
+  /// Stops and joins its threads: within seconds, but for clients that keep sending.
   ~LiveServer();
   LiveServer(const LiveServer&) = delete;
   LiveServer& operator=(const LiveServer&) = delete;

@@ -28,7 +28,7 @@ LiveMap live_map_of(const Map& map) {
 
 LiveMap live_map_of(const PlacedSoFar& so_far) {
   LiveMap live;
-  live.unit = "units";  // until positions are known, images alone show no length
+  if (so_far.unit == LengthUnit::Arbitrary) live.unit = "units";
   for (std::size_t view = 0; view < so_far.views.size(); ++view) {
     const auto& world_from_camera = so_far.segment.world_from_cameras[view];
     if (world_from_camera) live.placed.push_back({so_far.views[view].frame, world_from_camera->translation});

@@ -210,8 +210,9 @@ Reconstructed run_stages(const Sequence& sequence, const std::optional<Model>& m
                      " images can be placed: " + std::to_string(pairs.size()) + " of " + std::to_string(candidates.size()) +
                      " pairs provably overlap; more overlap, sharper images or the right calibration may help");
   }
+  LengthUnit unit = LengthUnit::Arbitrary;
   const auto begin = [&](std::string_view stage) {
-    if (options.watch) options.watch({stage, scene.views, pairs, segments.front()});
+    if (options.watch) options.watch({stage, scene.views, pairs, segments.front(), unit});
   };
   begin("adjust");
   finish(scene, segments.front(), options);
@@ -220,7 +221,7 @@ Reconstructed run_stages(const Sequence& sequence, const std::optional<Model>& m
   check_and_refine_camera(views.views, scene, segments.front(), result, options);
   stages.end("camera");
   begin("georeference");
-  const LengthUnit unit = take_positions(scene, segments.front(), result, options);
+  unit = take_positions(scene, segments.front(), result, options);
   stages.end("georeference");
   begin("result");
   const ReprojectionStatistics statistics = reprojection_statistics(scene, segments.front());

@@ -38,6 +38,7 @@ struct PlacedSoFar {
   const std::vector<View>& views;      ///< All of the scene.
   const std::vector<ViewPair>& pairs;  ///< Proven by two views; positions in `views`.
   const Segment& segment;              ///< The one that grows, which need not be the largest.
+  LengthUnit unit = LengthUnit::Arbitrary;  ///< Of its positions.
 };
 
 /// Called after each view that was placed and when a later stage begins, from the thread that makes the map.
@@ -61,8 +62,8 @@ struct ReconstructOptions {
   double max_error_px = 3.0;  ///< Of a sighting in the result.
   /// Reconstruct from the pairs of neighbours alone, too: shows what the loops are worth, and takes up to half as long again.
   bool also_without_loops = false;
-  std::uint64_t seed = 1;     ///< Of training, RANSAC and sampling.
-  int num_threads = 0;        ///< 0: all. The result does not depend on it.
+  std::uint64_t seed = 1;  ///< Of training, RANSAC and sampling.
+  int num_threads = 0;     ///< 0: all. The result does not depend on it.
   /// Folder in which finished work is kept, so that the same reconstruction, killed at any moment, goes on from there to the same
   /// result: see WorkState. It stays until its owner removes it. Empty: nothing is kept.
   std::filesystem::path state_folder{};

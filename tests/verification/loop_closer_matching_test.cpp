@@ -49,6 +49,25 @@ TEST(LoopCloserMatching, WindowsOfKeyframesTellTheLengthThatNoDepthTells) {
   EXPECT_GE(num_scaled, 3U);  // six frames see the start again; where they nearly coincide with it there is no length to tell
 }
 
+TEST(LoopCloserMatching, WindowsThatMeetTellNoLength) {
+  const Walk walk = make_walk({.num_again = 0});
+  LoopCloserOptions options = walk_options();
+  options.num_neighbours = 0;
+  options.window_size = 12;
+  // The last keyframe but five is a place like any other to this recogniser, and within the query's window.
+  options.propose = [](std::size_t current) {
+    return current < 20 ? std::vector<Hypothesis>{} : std::vector<Hypothesis>{{current - 5, 0.5, 0.0}};
+  };
+  std::size_t num_accepted = 0;
+  for (const LoopEvent& event : close_loops(walk, options)) {
+    for (const HypothesisOutcome& outcome : event.hypotheses) {
+      num_accepted += outcome.verification.verdict == Verdict::Accepted;
+      EXPECT_FALSE(outcome.verification.has_scale);
+    }
+  }
+  EXPECT_GT(num_accepted, 0U);
+}
+
 TEST(LoopCloserMatching, WordsFindTheLoopsThatAllFeaturesFind) {
   const Walk walk = make_walk();
   LoopCloserOptions options = walk_options();

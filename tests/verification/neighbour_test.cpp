@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "tests/verification/two_view_world.h"
 
 namespace fabloop {
@@ -118,6 +120,17 @@ TEST(Neighbours, OnlyADistanceThatTheOdometryHardlyKnowsHasAUnitSigma) {
   EXPECT_EQ(unit_sigma_with(0.05, 0.05), 0.0);
   EXPECT_EQ(unit_sigma_with(0.05, 0.14), 0.14);
   EXPECT_EQ(unit_sigma_with(0.14, 0.14), 0.0);
+}
+
+TEST(Neighbours, AStandstillIsNoStepWhoseDistanceIsKnown) {
+  const TwoViews world = make_two_views({});
+  const Pose standing{world.match_from_query.rotation, Eigen::Vector3d::Zero()};
+  for (const double sigma : {std::numeric_limits<double>::infinity(), 3.0}) {
+    const std::vector<RecentView> recent = {{&world.match, standing, sigma}, {&world.match, world.match_from_query, 0.14}};
+    const auto found = see_recent(recent, world.query, 2);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].unit_sigma, 0.14);
+  }
 }
 
 TEST(Neighbours, DepthsOfAVagueUnitGiveWayToOthers) {
