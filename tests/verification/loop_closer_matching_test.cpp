@@ -54,9 +54,9 @@ TEST(LoopCloserMatching, WindowsThatMeetTellNoLength) {
   LoopCloserOptions options = walk_options();
   options.num_neighbours = 0;
   options.window_size = 12;
-  // The last keyframe but five is a place like any other to this recogniser, and within the query's window.
+  // The keyframe before is a place like any other to this recogniser, and within the query's window.
   options.propose = [](std::size_t current) {
-    return current < 20 ? std::vector<Hypothesis>{} : std::vector<Hypothesis>{{current - 5, 0.5, 0.0}};
+    return current < 20 ? std::vector<Hypothesis>{} : std::vector<Hypothesis>{{static_cast<PlaceId>(current - 1), 0.5, 0.0}};
   };
   std::size_t num_accepted = 0;
   for (const LoopEvent& event : close_loops(walk, options)) {

@@ -126,10 +126,13 @@ TEST(Neighbours, AStandstillIsNoStepWhoseDistanceIsKnown) {
   const TwoViews world = make_two_views({});
   const Pose standing{world.match_from_query.rotation, Eigen::Vector3d::Zero()};
   for (const double sigma : {std::numeric_limits<double>::infinity(), 3.0}) {
-    const std::vector<RecentView> recent = {{&world.match, standing, sigma}, {&world.match, world.match_from_query, 0.14}};
-    const auto found = see_recent(recent, world.query, 2);
-    ASSERT_EQ(found.size(), 1U);
-    EXPECT_EQ(found[0].unit_sigma, 0.14);
+    const std::vector<RecentView> recent = {{&world.match, standing, sigma},
+                                            {&world.match, world.match_from_query, 0.05},
+                                            {&world.match, world.match_from_query, 0.14}};
+    const auto found = see_recent(recent, world.query, 3);
+    ASSERT_EQ(found.size(), 2U) << "a standstill shows no direction";
+    EXPECT_EQ(found[0].unit_sigma, 0.0);
+    EXPECT_EQ(found[1].unit_sigma, 0.14);
   }
 }
 
