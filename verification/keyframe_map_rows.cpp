@@ -111,16 +111,16 @@ std::string points_row_of(const View& view) {
     if (point) points.push_back({i, point->x(), point->y(), point->z(), view.point_weights[i]});
   }
   StateBytes bytes;
-  bytes.put(view.unit_sigma);
   bytes.put(points);
+  bytes.put(view.unit_sigma);
   return bytes.bytes();
 }
 
 void set_points(std::string_view row, View& view) {
   StateBytes bytes{std::string(row)};
   std::vector<StoredPoint> points;
-  bytes.take(view.unit_sigma);
   bytes.take(points);
+  bytes.take(view.unit_sigma);
   require_end(bytes);
   if (!(std::isfinite(view.unit_sigma) && view.unit_sigma >= 0.0)) throw StateDamaged();
   for (const StoredPoint& point : points) {
