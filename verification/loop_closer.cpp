@@ -26,6 +26,12 @@ void validate(const LoopCloserOptions& options) {
   }
 }
 
+NeighbourOptions neighbour_options(const LoopCloserOptions& options) {
+  NeighbourOptions neighbour = options.neighbour;
+  neighbour.seed = options.verifier.seed;
+  return neighbour;
+}
+
 void require_model(const KeyframeMap& earlier, const Model& model) {
   if (earlier.keyframes.empty() || earlier.model_hash == model_hash(model)) return;
   throw InputError(
@@ -169,8 +175,7 @@ void LoopCloser::link_to_earlier(LoopEvent& event) {
                       relative_distance_sigma(odometry_between(map_, current - distance, current, options_.odometry))});
     keyframes.push_back(current - distance);
   }
-  NeighbourOptions options = options_.neighbour;
-  options.seed = options_.verifier.seed;
+  const NeighbourOptions options = neighbour_options(options_);
   event.changed.push_back(current);
   for (const RecentNeighbour& neighbour : see_recent(recent, now.view, options_.num_neighbours, options, options_.num_threads)) {
     const std::size_t earlier = keyframes[neighbour.recent];
@@ -228,8 +233,7 @@ std::vector<WindowView> LoopCloser::window_around(std::size_t position, std::siz
   for (std::size_t i = begin; i <= last; ++i) {
     window.push_back({&map_.keyframes[i].view, window_from_odom * map_.keyframes[i].odom_from_body * body_from_camera});
   }
-  NeighbourOptions options = options_.neighbour;
-  options.seed = options_.verifier.seed;
+  const NeighbourOptions options = neighbour_options(options_);
   return refine_window(window, position - begin, options).views;
 }
 

@@ -67,20 +67,16 @@ void LiveFeed::show(LiveMap now) {
   publish(std::move(next));
 }
 
-void LiveFeed::end(const std::filesystem::path& report) {
+void LiveFeed::end(const std::filesystem::path& report) { stop(LiveState::Ended, report, {}); }
+
+void LiveFeed::fail(const std::string& why) { stop(LiveState::Failed, {}, why); }
+
+void LiveFeed::stop(LiveState state, const std::filesystem::path& report, const std::string& why) {
   const std::scoped_lock lock(mutex_);
   LiveSnapshot next = *latest_;
-  next.state = LiveState::Ended;
+  next.state = state;
   next.ended = LiveClock::now();
   next.report = report;
-  publish(std::move(next));
-}
-
-void LiveFeed::fail(const std::string& why) {
-  const std::scoped_lock lock(mutex_);
-  LiveSnapshot next = *latest_;
-  next.state = LiveState::Failed;
-  next.ended = LiveClock::now();
   next.why = why;
   publish(std::move(next));
 }

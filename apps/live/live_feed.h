@@ -63,6 +63,7 @@ class LiveFeed {
   std::shared_ptr<const LiveSnapshot> latest() const;
 
  private:
+  void stop(LiveState state, const std::filesystem::path& report, const std::string& why);
   void publish(LiveSnapshot next);
 
   mutable std::mutex mutex_;  ///< Of all below.
