@@ -14,6 +14,7 @@ struct CommonOptions {
 /// Each adds one command to the program: its options and, as the callback, what it does.
 void add_demo_command(CLI::App& program, const CommonOptions& common);
 void add_synth_command(CLI::App& program, const CommonOptions& common);
+void add_keyframes_command(CLI::App& program, const CommonOptions& common);
 void add_features_command(CLI::App& program, const CommonOptions& common);
 void add_train_command(CLI::App& program, const CommonOptions& common);
 void add_recognize_command(CLI::App& program, const CommonOptions& common);

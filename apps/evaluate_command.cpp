@@ -41,6 +41,7 @@ struct EvaluateArguments {
   bool yaw = false;
   bool overwrite = false;
   double max_angle_deg = 0.0;
+  double false_radius_m = 0.0;
   double rpe_distance_m = 100.0;
   LoopEvaluationOptions loops;
   StageOptions stages;
@@ -256,6 +257,12 @@ void add_truth_options(CLI::App* command, EvaluateArguments& arguments) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command
+      ->add_option(
+          "--false-radius", arguments.false_radius_m,
+          "without pairs.csv: camera centres further apart than this show different places, those between are not judged "
+          "(default: twice the height)")
+      ->check(CLI::PositiveNumber);
+  command
       ->add_option("--max-angle", arguments.max_angle_deg,
                    "without pairs.csv: and optical axes within this angle, degrees (default: any)")
       ->check(CLI::Range(0.0, 180.0));
@@ -293,6 +300,11 @@ void add_evaluate_command(CLI::App& program) {
   add_output_options(command, *arguments);
   command->callback([arguments] {
     if (arguments->max_angle_deg > 0.0) arguments->truth.places.poses.max_angle_deg = arguments->max_angle_deg;
+    PoseRules& rules = arguments->truth.places.poses;
+    const double twice_height_m = 2.0 * arguments->loops.height_above_ground_m;
+    rules.not_judged_radius_m =
+        arguments->false_radius_m > 0.0 ? arguments->false_radius_m : std::max(rules.radius_m, twice_height_m);
+    arguments->loops.false_radius_m = rules.not_judged_radius_m;
     arguments->loops.exclusion_window = arguments->truth.places.exclusion_window;
     run_evaluate(*arguments);
   });

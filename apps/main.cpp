@@ -28,6 +28,7 @@ int main(int argc, char** argv) {
       ->check(CLI::PositiveNumber);
   add_demo_command(program, common);
   add_synth_command(program, common);
+  add_keyframes_command(program, common);
   add_features_command(program, common);
   add_train_command(program, common);
   add_recognize_command(program, common);

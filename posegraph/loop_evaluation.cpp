@@ -26,6 +26,14 @@ const Pose* reference_of(const LoopTruth& truth, std::size_t frame) {
   return truth.world_from_camera[frame] ? &*truth.world_from_camera[frame] : nullptr;
 }
 
+/// Whether the frames show one place, as far as the truth knows.
+MatchTruth pair_of(const LoopRecord& record, const Pose& match_from_query, const LoopTruth& truth,
+                   const LoopEvaluationOptions& options) {
+  if (truth.pairs) return judge_pair(pair_between(*truth.pairs, record.query, record.match), options.pairs);
+  const bool is_far = options.false_radius_m && match_from_query.translation.norm() > *options.false_radius_m;
+  return is_far ? MatchTruth::False : MatchTruth::True;
+}
+
 /// Fills the errors of the pose; true when it is within the rules.
 bool pose_agrees(const LoopRecord& record, const Pose& match_from_query, const LoopEvaluationOptions& options, JudgedLoop& loop) {
   const Pose& measured = *record.match_from_query;
@@ -80,7 +88,7 @@ JudgedLoop judge_loop(const LoopRecord& record, const LoopTruth& truth, const Lo
 
   const auto [first, second] = std::minmax(record.query, record.match);
   const bool near_in_time = second - first <= options.exclusion_window;
-  const MatchTruth pair = truth.pairs ? judge_pair(pair_between(*truth.pairs, first, second), options.pairs) : MatchTruth::True;
+  const MatchTruth pair = pair_of(record, match_from_query, truth, options);
   if (pair == MatchTruth::False && !near_in_time) {
     loop.judgement = LoopJudgement::FalsePair;
   } else if (!agrees) {
@@ -132,6 +140,7 @@ std::string recipe(const LoopTruth& truth, const LoopEvaluationOptions& options)
     text << in_words(options.pairs) << "; frames within " << options.exclusion_window << " are not judged as pairs; ";
   } else {
     text << "no pairs are known, so loops are judged by their poses alone; ";
+    if (options.false_radius_m) text << "a pair is false beyond " << *options.false_radius_m << " m; ";
   }
   text << "a pose is false beyond " << options.max_rotation_error_deg << " deg or " << 100.0 * options.max_translation_error
        << " % of " << options.height_above_ground_m

@@ -28,6 +28,13 @@ int stages_passed(Verdict verdict) {
   }
 }
 
+/// A right relative pose proves that the frames show one place, where nothing else says so.
+bool proves_place(const LedgerRow& row, MatchTruth place, const LoopTruth& truth, const LoopEvaluationOptions& options) {
+  if (truth.pairs || place != MatchTruth::NotJudged || !row.loop.match_from_query) return false;
+  const auto [first, second] = std::minmax(row.loop.query, row.loop.match);
+  return second - first > options.exclusion_window && judge_loop(row.loop, truth, options).judgement == LoopJudgement::True;
+}
+
 /// Right only with both: the place and, where a pose can be judged, the pose.
 MatchTruth judge_closure(const LedgerRow& row, MatchTruth place, const LoopTruth& truth, const LoopEvaluationOptions& options) {
   if (!row.loop.match_from_query || place == MatchTruth::False) return place;
@@ -89,6 +96,8 @@ JudgedRun judge_run(const LedgerTable& ledger, const GroundTruth& places, const 
                     const LoopEvaluationOptions& options) {
   JudgedRun run;
   run.recipe = places.recipe + "; from geometry on, " + recipe({loops.world_from_camera, std::nullopt}, options);
+  if (!loops.pairs) run.recipe += "; a right pose makes a pair true that is not judged by these rules";
+  run.queries = query_truths(places);
   for (const LedgerRow& row : ledger.rows) {
     const auto& [query, match] = std::pair(row.loop.query, row.loop.match);
     if (query >= places.num_queries || match >= places.num_matches) {
@@ -105,11 +114,14 @@ JudgedRun judge_run(const LedgerTable& ledger, const GroundTruth& places, const 
     judged.num_matches = ledger.figure(row, "matches").value_or(0.0);
     if (row.loop.match_from_query) judged.p_true = ledger.figure(row, "p_true");
     judged.place = places.at(query, match);
+    if (proves_place(row, judged.place, loops, options)) {
+      judged.place = MatchTruth::True;
+      ++run.queries[query].num_true_pairs;
+    }
     judged.closure = judge_closure(row, judged.place, loops, options);
     run.has_consistency = run.has_consistency || row.loop.verdict == to_string(Verdict::Unconfirmed);
     run.hypotheses.push_back(judged);
   }
-  run.queries = query_truths(places);
   return run;
 }
 

@@ -58,8 +58,9 @@ struct JudgedRun {
   std::string recipe;               ///< How pairs and poses were judged.
 };
 
-/// Judges every hypothesis: the place by `places`, the pose by `loops` where both frames have a reference. The consistency stage
-/// counts as on when any hypothesis is Unconfirmed. Throws InputError for frames beyond the truth.
+/// Judges every hypothesis: the place by `places`, the pose by `loops` where both frames have a reference. Without `loops.pairs`
+/// a right pose also makes a place true that `places` does not judge. The consistency stage counts as on when any hypothesis is
+/// Unconfirmed. Throws InputError for frames beyond the truth.
 JudgedRun judge_run(const LedgerTable& ledger, const GroundTruth& places, const LoopTruth& loops,
                     const LoopEvaluationOptions& options = {});
 

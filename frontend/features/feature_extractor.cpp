@@ -66,6 +66,27 @@ Features choose_then_describe(const cv::Mat& image, const FeatureOptions& option
   return describe(image, std::move(chosen), options);
 }
 
+/// The image at the size at which it is looked at.
+cv::Mat within_side(const cv::Mat& gray, int max_side_px) {
+  const int side_px = std::max(gray.cols, gray.rows);
+  if (side_px <= max_side_px) return gray;
+  const double scale = static_cast<double>(max_side_px) / side_px;
+  cv::Mat small;
+  cv::resize(gray, small, {}, scale, scale, cv::INTER_AREA);
+  return small;
+}
+
+/// Keypoints of an image of `from` as those of the same image at `to`; pixel centres are at integers.
+void move_to_size(std::vector<cv::KeyPoint>& keypoints, cv::Size from, cv::Size to) {
+  if (from == to) return;
+  const float x = static_cast<float>(to.width) / static_cast<float>(from.width);
+  const float y = static_cast<float>(to.height) / static_cast<float>(from.height);
+  for (cv::KeyPoint& keypoint : keypoints) {
+    keypoint.pt = {(keypoint.pt.x + 0.5f) * x - 0.5f, (keypoint.pt.y + 0.5f) * y - 0.5f};
+    keypoint.size *= x;
+  }
+}
+
 /// Drops what has a descriptor with NaN or infinity, which compares with nothing.
 void keep_finite(Features& features) {
   if (features.descriptors.type() != CV_32F || cv::checkRange(features.descriptors)) return;
@@ -90,10 +111,11 @@ FeatureExtractor::FeatureExtractor(const FeatureOptions& options) : options_(opt
 
 Features FeatureExtractor::extract(const cv::Mat& gray) const {
   assert(!gray.empty() && gray.type() == CV_8UC1 && "extract() takes an 8-bit grey image");
-  const cv::Mat image = equalized(gray, options_.clahe_clip_limit);
+  const cv::Mat image = equalized(within_side(gray, options_.max_side_px), options_.clahe_clip_limit);
   Features features =
       describes_at_once(options_) ? describe_all_then_choose(image, options_) : choose_then_describe(image, options_);
   keep_finite(features);
+  move_to_size(features.keypoints, image.size(), gray.size());
   return features;
 }
 

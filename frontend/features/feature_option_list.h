@@ -12,6 +12,7 @@ template <typename Options, typename Visit>
 void for_each_option(Options& options, Visit&& visit) {
   visit("kind", options.kind, "DETECTOR or DETECTOR+DESCRIPTOR");
   visit("max_features", options.max_features, "at most so many keypoints an image");
+  visit("max_side_px", options.max_side_px, "larger images are shrunk to this longer side first");
   visit("detection_threshold", options.detection_threshold, "weakest response, in the detector's unit; none: its default");
   visit("clahe_clip_limit", options.clahe_clip_limit, "local contrast equalisation before detection; none: the image as it is");
   visit("root_sift", options.root_sift, "SIFT descriptors as RootSIFT");

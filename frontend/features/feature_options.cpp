@@ -106,6 +106,7 @@ double detection_threshold(const FeatureOptions& options) {
 void validate(const FeatureOptions& options) {
   require_sensible(options.kind);
   require("max_features", options.max_features, 1, kMostFeatures);
+  require("max_side_px", options.max_side_px, kLeastSidePx, kLargestSidePx);
   if (options.detection_threshold) require("detection_threshold", *options.detection_threshold, 0, 1e9);
   require_positive("clahe_clip_limit", options.clahe_clip_limit, "none to leave images as they are");
   if (options.adaptive) validate(options, *options.adaptive);

@@ -81,12 +81,19 @@ enum class Orientation {
   Upright,   ///< Described as they stand: more distinctive, and faster, where the camera never rolls (a robot's).
 };
 
+constexpr int kLeastSidePx = 64;
+constexpr int kLargestSidePx = 100'000;  ///< Images as they are.
+
 /// What to detect, how much of it, and how the image is prepared.
 struct FeatureOptions {
   /// SIFT finds the most true matches on low-contrast ground; ORB is several times faster and its descriptors 16 times smaller.
   FeatureKind kind;
   /// Upper bound of keypoints an image. More finds weaker overlaps; time and memory of matching grow with it.
   int max_features = 1500;
+  /// Larger images are shrunk to this longer side before anything is looked for, which bounds time and memory: SIFT over 20
+  /// megapixels takes ten seconds and gigabytes. Keypoints are given in the image's own pixels all the same. More for finer
+  /// detail, kLargestSidePx for images as they are.
+  int max_side_px = 2400;
   /// Weakest response that is still detected, in the detector's own unit: see default_detection_threshold(), which holds for
   /// none. Higher is faster, and better where sensor noise yields features.
   std::optional<double> detection_threshold;

@@ -200,6 +200,7 @@ FeatureOptions read_openfabmap_features(const std::filesystem::path& path) {
   const YAML::Node section = file.root["FeatureOptions"];
   if (!section.IsDefined() || !section.IsMap()) file.fail(YAML::Mark::null_mark(), "has no section FeatureOptions");
   FeatureOptions options;
+  options.max_side_px = kLargestSidePx;
   options.clahe_clip_limit.reset();
   options.root_sift = false;
   options.max_features = kBoundWhereTheyHaveNone;

@@ -47,7 +47,7 @@ class FolderReader : public ImageReader {
     std::vector<std::string> problems(count);
     parallel_for(count, options_.num_threads, [&](std::size_t i) {
       const Wanted& wanted = wanted_[position_ + i];
-      block[i] = {wanted.frame, wanted.image.time_ns, {}};
+      block[i] = {wanted.frame, wanted.image.time_ns, {}, {}};
       try {
         block[i].gray = read_gray_image(wanted.image.path);
       } catch (const InputError& error) {

@@ -19,13 +19,15 @@ namespace fabloop {
 struct SourceImage {
   std::size_t frame = 0;  ///< Its 0-based position in the folder or video, whether or not others were left out.
   std::int64_t time_ns = 0;
-  cv::Mat gray;  ///< CV_8UC1.
+  cv::Mat gray;    ///< CV_8UC1.
+  cv::Mat colour;  ///< CV_8UC3 (blue, green, red), of a video when `keep_colour` asks for it; the images of a folder have files.
 };
 
 struct ImageSourceOptions {
   std::size_t every = 1;  ///< Only every Nth image, from the first. More where neighbours show nearly the same.
   /// Only so many images a second of the source's own time, each the first that is due. None: all.
   std::optional<double> max_images_per_s{};
+  bool keep_colour = false;  ///< Of videos.
   IfDamaged if_damaged = IfDamaged::Skip;
   int num_threads = 0;  ///< 0: all. For the decoding of image files; a video is decoded by one.
   Warn warn{};          ///< Told about images that are skipped and about a video that ends early.

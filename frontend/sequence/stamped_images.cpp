@@ -18,7 +18,10 @@ void require_folder(const fs::path& folder) {
   std::error_code error;
   if (!fs::exists(folder, error))
     throw InputError(folder.string() + ": there is no such folder; give the folder that holds the images");
-  if (!fs::is_directory(folder, error)) throw InputError(folder.string() + ": is a file; give the folder that holds the images");
+  if (!fs::is_directory(folder, error)) {
+    throw InputError(folder.string() +
+                     ": is a file; give the folder that holds the images (`fabloop keyframes` makes one of a video)");
+  }
 }
 
 /// The images that the csv names, looked for beside the others and in the sequence's folder.

@@ -38,12 +38,14 @@ class VideoReader : public ImageReader {
       has_grabbed_ = false;
       const std::int64_t time_ns = time_of(frame);
       if (!selection_.takes(frame, time_ns)) continue;
-      cv::Mat gray = decoded();
-      if (gray.empty()) {
+      SourceImage image = decoded();
+      if (image.gray.empty()) {
         skip(frame, damaged_frames);
-      } else {
-        images.push_back({frame, time_ns, std::move(gray)});
+        continue;
       }
+      image.frame = frame;
+      image.time_ns = time_ns;
+      images.push_back(std::move(image));
     }
     return images;
   }
@@ -99,16 +101,23 @@ class VideoReader : public ImageReader {
     return last_time_ns_ = time_ns;
   }
 
-  cv::Mat decoded() {
-    cv::Mat image, gray;
+  /// Without images where the frame cannot be decoded.
+  SourceImage decoded() {
+    cv::Mat image;
+    SourceImage result;
     try {
       if (!video_.retrieve(image) || image.empty()) return {};
-      if (image.channels() == 1) return image.clone();
-      cv::cvtColor(image, gray, cv::COLOR_BGR2GRAY);
+      if (image.channels() == 1) {
+        result.gray = image.clone();
+        if (options_.keep_colour) cv::cvtColor(image, result.colour, cv::COLOR_GRAY2BGR);
+      } else {
+        cv::cvtColor(image, result.gray, cv::COLOR_BGR2GRAY);
+        if (options_.keep_colour) result.colour = image.clone();
+      }
     } catch (const cv::Exception&) {
       return {};
     }
-    return gray;
+    return result;
   }
 
   void skip(std::size_t frame, std::vector<std::size_t>& damaged_frames) const {

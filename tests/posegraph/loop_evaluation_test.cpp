@@ -98,6 +98,15 @@ TEST(LoopEvaluation, WithoutPairsThePoseDecides) {
   EXPECT_NE(recipe(truth).find("poses alone"), std::string::npos);
 }
 
+TEST(LoopEvaluation, WithoutPairsWhatIsFarApartIsFalseWhateverThePose) {
+  LoopTruth truth = make_truth();
+  truth.pairs.reset();
+  const LoopRecord loop = accepted(truth, 30, 0);  // 300 m apart
+  EXPECT_EQ(judgement(loop, truth), LoopJudgement::True);
+  EXPECT_EQ(judgement(loop, truth, {.false_radius_m = 299.0}), LoopJudgement::FalsePair);
+  EXPECT_EQ(judgement(loop, truth, {.false_radius_m = 301.0}), LoopJudgement::True);
+}
+
 TEST(LoopEvaluation, CountsPrecisionAndRecall) {
   const LoopTruth truth = make_truth();
   LoopRecord rejected = accepted(truth, 24, 0);

@@ -88,6 +88,25 @@ TEST(StageEvaluation, WrongPosesAreFalseFromGeometryOn) {
   EXPECT_NEAR(*stage(found, Stage::Geometry).brier_score.value, 0.81, 1e-12);
 }
 
+TEST(StageEvaluation, ARightPoseProvesAPlaceThatNothingElseJudges) {
+  Scene scene;
+  scene.places.at = [](std::size_t, std::size_t) { return MatchTruth::NotJudged; };
+  scene.add(15, 0, 0.9, "Accepted", 0.9);
+  scene.add(16, 1, 0.9, "Accepted", 0.9, 50.0);  // a wrong pose proves nothing: the place stays unjudged, the loop is false
+  scene.add(17, 2, 0.9, "TooFewMatches", 0);
+  scene.add(23, 20, 0.9, "Accepted", 0.7, 30.0);  // too near
+  const StageEvaluation found = scene.evaluate();
+  EXPECT_EQ(found.num_queries_with_true_match, 1U);
+  EXPECT_EQ(stage(found, Stage::Appearance).num_true, 1U);
+  EXPECT_EQ(stage(found, Stage::Appearance).num_unjudged, 3U);
+  EXPECT_EQ(stage(found, Stage::Geometry).num_true, 1U);
+  EXPECT_EQ(stage(found, Stage::Geometry).num_false, 1U);
+  EXPECT_EQ(stage(found, Stage::Geometry).num_unjudged, 1U);
+
+  scene.loops.pairs.emplace();  // pairs are known, and this is none that overlaps enough to be one
+  EXPECT_EQ(stage(scene.evaluate(), Stage::Appearance).num_true, 0U);
+}
+
 TEST(StageEvaluation, ScoresTheBestOfEachQueryAndRecallAtK) {
   Scene scene;
   scene.add(15, 0, 0.4, "Accepted", 0.99);

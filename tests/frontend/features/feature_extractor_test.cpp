@@ -184,6 +184,28 @@ TEST(FeatureExtractor, TakesImagesOfAnySize) {
   }
 }
 
+TEST(FeatureExtractor, LooksAtLargeImagesShrunkAndAnswersInTheirPixels) {
+  constexpr int kTimes = 3;
+  const cv::Mat image = blobs();
+  cv::Mat large;
+  cv::resize(image, large, {}, kTimes, kTimes, cv::INTER_NEAREST);  // whose areas are the image again
+  for (const FeatureKind& kind : kinds()) {
+    FeatureOptions options = options_for(kind);
+    const Features expected = FeatureExtractor(options).extract(image);
+    options.max_side_px = std::max(image.cols, image.rows);
+    const Features found = FeatureExtractor(options).extract(large);
+    ASSERT_EQ(found.keypoints.size(), expected.keypoints.size()) << to_string(kind);
+    EXPECT_EQ(cv::norm(found.descriptors, expected.descriptors, cv::NORM_INF), 0) << to_string(kind);
+    for (std::size_t i = 0; i < found.keypoints.size(); ++i) {
+      const cv::KeyPoint& small = expected.keypoints[i];
+      // The centre of pixel 0 is that of pixels 0 to 2: at 1.
+      EXPECT_NEAR(found.keypoints[i].pt.x, kTimes * small.pt.x + 1, 1e-3);
+      EXPECT_NEAR(found.keypoints[i].pt.y, kTimes * small.pt.y + 1, 1e-3);
+      EXPECT_NEAR(found.keypoints[i].size, kTimes * small.size, 1e-3);
+    }
+  }
+}
+
 TEST(FeatureExtractor, BoundsWhatNoiseYields) {
   cv::Mat noise(200, 200, CV_8UC1);
   cv::RNG(2).fill(noise, cv::RNG::UNIFORM, 0, 256);

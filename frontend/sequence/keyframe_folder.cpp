@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "frontend/sequence/keyframe_folder.h"
+
+#include <cstdio>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <vector>
+
+#include "frontend/error.h"
+#include "frontend/sequence/camera_yaml.h"
+#include "frontend/sequence/image_source.h"
+#include "frontend/sequence/stamped_images.h"
+
+namespace fabloop {
+namespace {
+
+namespace fs = std::filesystem;
+
+void copy_to(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  fs::copy_file(from, to, fs::copy_options::overwrite_existing, error);
+  if (error) throw InputError(from.string() + ": cannot be copied to " + to.string() + ": " + error.message());
+}
+
+void write_jpeg(const cv::Mat& image, const fs::path& path) {
+  constexpr int kQuality = 95;
+  std::vector<unsigned char> bytes;
+  cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, kQuality});
+  OutputFile file(path);
+  file.stream().write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  file.commit();
+}
+
+/// `frames.csv` holds nanoseconds as seconds with all their digits.
+std::string seconds(std::int64_t time_ns) {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  char digits[16];
+  std::snprintf(digits, sizeof digits, ".%09lld", static_cast<long long>(time_ns % kSecond));
+  return std::to_string(time_ns / kSecond) + digits;
+}
+
+std::string video_frame_name(std::size_t frame) {
+  char name[40];
+  std::snprintf(name, sizeof name, "frame_%06zu.jpg", frame);
+  return name;
+}
+
+/// What else a sequence folder knows of its images by time or by name.
+void copy_companions(const fs::path& source, const fs::path& out, const fs::path& camera) {
+  for (const char* name : {"camera.yaml", "odometry.tum", "reference.tum", "gps.csv"}) {
+    if (fs::is_regular_file(source / name)) copy_to(source / name, out / name);
+  }
+  if (!camera.empty()) copy_to(camera, out / "camera.yaml");
+}
+
+}  // namespace
+
+KeyframeCount write_keyframe_folder(const fs::path& source, const fs::path& out_path, const KeyframeFolderOptions& options) {
+  if (!options.camera.empty()) read_camera_yaml(options.camera);
+  const bool is_folder = fs::is_directory(source);
+  std::vector<StampedPath> files;
+  if (is_folder) files = list_stamped_images(source, options.warn);
+  ImageSource images(source, {.keep_colour = true,
+                              .if_damaged = options.if_damaged,
+                              .num_threads = options.num_threads,
+                              .warn = is_folder ? Warn{} : options.warn});
+  OutputFolder out(out_path, options.if_exists);
+  fs::create_directories(out.part_path() / "images");
+  OutputFile frames(out.part_path() / "frames.csv");
+  frames.stream() << "# filename,timestamp_s\n";
+
+  KeyframeChoice choice(options.choice);
+  KeyframeCount count;
+  constexpr std::size_t kAtATime = 8;
+  for (auto block = images.next(kAtATime); !block.empty(); block = images.next(kAtATime)) {
+    for (const SourceImage& image : block) {
+      ++count.num_images;
+      if (!choice.takes(image.gray)) continue;
+      ++count.num_keyframes;
+      const fs::path name = is_folder ? files[image.frame].path.filename() : fs::path(video_frame_name(image.frame));
+      if (is_folder) {
+        copy_to(files[image.frame].path, out.part_path() / "images" / name);
+      } else {
+        write_jpeg(image.colour, out.part_path() / "images" / name);
+      }
+      frames.stream() << name.string() << ',' << seconds(image.time_ns) << '\n';
+    }
+    if (options.progress)
+      options.progress("keyframes", block.back().frame + 1, images.estimated_size().value_or(block.back().frame + 1));
+  }
+  frames.commit();
+  copy_companions(source, out.part_path(), options.camera);
+  out.commit();
+  return count;
+}
+
+}  // namespace fabloop
