@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "frontend/error.h"
+#include "posegraph/sfm/duplicate_points.h"
 #include "posegraph/sfm/kept_work.h"
 #include "posegraph/sfm/reconstruction_result.h"
 #include "posegraph/sfm/segment_adjustment.h"
@@ -64,30 +65,34 @@ std::vector<Segment> place(const Scene& scene, const std::vector<ViewPair>& pair
   return segments;
 }
 
-/// All points in the adjustment, and the bound on their errors as it shall be in the result.
-void finish(const Scene& scene, Segment& segment, const ReconstructOptions& options) {
+/// All points in the adjustment, points that are one made one, and the bound on their errors as it shall be in the result.
+/// Returns how many became part of another.
+std::size_t finish(const std::vector<View>& views, TrackSet& tracks, Segment& segment, const ReconstructOptions& options) {
+  const Scene scene{views, tracks};
   TrackTriangulationOptions strict = options.growth.triangulation;
   refresh_all_points(scene, segment, strict);
   adjust_segment(scene, segment);
   strict.max_error_px = options.max_error_px;
   refresh_all_points(scene, segment, strict);
+  const std::size_t num_merged = merge_duplicate_points(views, tracks, segment, {.max_error_px = options.max_error_px});
   adjust_segment(scene, segment);
+  return num_merged;
 }
 
 /// The camera refined where the images determine it; the views' rays follow.
-void refine_camera(std::vector<View>& views, const Scene& scene, Segment& segment, Reconstructed& result,
+void refine_camera(std::vector<View>& views, TrackSet& tracks, Segment& segment, Reconstructed& result,
                    const ReconstructOptions& options) {
   SegmentAdjustmentOptions adjustment;
   adjustment.bundle.refine = options.refine;
-  const Camera camera = adjust_segment(scene, segment, adjustment).camera;
+  const Camera camera = adjust_segment({views, tracks}, segment, adjustment).camera;
   for (View& view : views) view = make_view(view.frame, camera, std::move(view.features));
   result.camera_was_refined = true;
-  finish(scene, segment, options);
+  result.num_merged_points += finish(views, tracks, segment, options);
 }
 
-void check_and_refine_camera(std::vector<View>& views, const Scene& scene, Segment& segment, Reconstructed& result,
+void check_and_refine_camera(std::vector<View>& views, TrackSet& tracks, Segment& segment, Reconstructed& result,
                              const ReconstructOptions& options) {
-  result.camera_check = check_camera(scene, segment, options.camera_check);
+  result.camera_check = check_camera({views, tracks}, segment, options.camera_check);
   const auto say = [&](const std::string& text) {
     if (options.warn) options.warn(text);
   };
@@ -98,7 +103,7 @@ void check_and_refine_camera(std::vector<View>& views, const Scene& scene, Segme
           " of it, and the map is bent accordingly; calibrate again, or refine it with --refine focal");
     }
   } else if (result.camera_check.is_determined) {
-    refine_camera(views, scene, segment, result, options);
+    refine_camera(views, tracks, segment, result, options);
   } else {
     say("the camera is kept as given: these images leave its focal length open by " +
         std::to_string(100.0 * result.camera_check.relative_sigma) + " %, and refining it would bend the ground into a dome");
@@ -139,7 +144,7 @@ Trajectory odometry_of(const Sequence& sequence, const std::vector<View>& views,
   std::erase_if(pairs, [&](const ViewPair& pair) {
     return views[pair.query].frame - views[pair.match].frame > options.candidates.num_neighbours;
   });
-  const TrackSet tracks = tracks_of(views, pairs);
+  TrackSet tracks = tracks_of(views, pairs);
   const Scene scene{views, tracks};
   WorkState none;
   ReconstructOptions unwatched = options;
@@ -147,7 +152,7 @@ Trajectory odometry_of(const Sequence& sequence, const std::vector<View>& views,
   std::vector<Segment> segments = place(scene, pairs, std::move(unwatched), none);
   Trajectory odometry;
   if (segments.empty()) return odometry;
-  finish(scene, segments.front(), options);
+  finish(views, tracks, segments.front(), options);
   for (std::size_t view = 0; view < views.size(); ++view) {
     const auto& pose = segments.front().world_from_cameras[view];
     if (pose) odometry.push_back({sequence.frames[views[view].frame].time_ns, *pose});
@@ -200,7 +205,7 @@ Reconstructed run_stages(const Sequence& sequence, const std::optional<Model>& m
   pair_options.state = &state;
   const std::vector<ViewPair> pairs = verify_pairs(views.views, candidates, pair_options);
   stages.end("verify");
-  const TrackSet tracks = tracks_of(views.views, pairs);
+  TrackSet tracks = tracks_of(views.views, pairs);
   stages.end("tracks");
   const Scene scene{views.views, tracks};
   std::vector<Segment> segments = place(scene, pairs, options, state);
@@ -215,10 +220,10 @@ Reconstructed run_stages(const Sequence& sequence, const std::optional<Model>& m
     if (options.watch) options.watch({stage, scene.views, pairs, segments.front(), unit});
   };
   begin("adjust");
-  finish(scene, segments.front(), options);
+  result.num_merged_points = finish(views.views, tracks, segments.front(), options);
   stages.end("adjust");
   begin("camera");
-  check_and_refine_camera(views.views, scene, segments.front(), result, options);
+  check_and_refine_camera(views.views, tracks, segments.front(), result, options);
   stages.end("camera");
   begin("georeference");
   unit = take_positions(scene, segments.front(), result, options);

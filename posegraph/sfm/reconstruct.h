@@ -101,7 +101,8 @@ struct Reconstructed {
   std::vector<std::vector<std::size_t>> other_parts;
   std::vector<FramePair> pairs;  ///< In ascending order.
   std::size_t num_candidate_pairs = 0;
-  double mean_error_px = 0;  ///< Of all sightings.
+  std::size_t num_merged_points = 0;  ///< Points that turned out to be another one.
+  double mean_error_px = 0;           ///< Of all sightings.
   std::size_t num_sightings = 0;
   CameraCheck camera_check;
   bool camera_was_refined = false;

@@ -124,6 +124,7 @@ void write_reconstruction_summary(const std::filesystem::path& path, const Seque
   summary["loops"] = loops_json(result);
   summary["points"] = map.points.size();
   summary["sightings"] = result.num_sightings;
+  summary["merged_points"] = result.num_merged_points;
   summary["mean_reprojection_error_px"] = result.mean_error_px;
   summary["camera"] = camera_json(result);
   summary["georeference"] = georeference_json(result, options);

@@ -75,11 +75,15 @@ TrackSet index_tracks(std::vector<Track> tracks, std::size_t num_views) {
   TrackSet set;
   set.tracks = std::move(tracks);
   std::sort(set.tracks.begin(), set.tracks.end());
-  set.of_view.resize(num_views);
+  index_views(set, num_views);
+  return set;
+}
+
+void index_views(TrackSet& set, std::size_t num_views) {
+  set.of_view.assign(num_views, {});
   for (std::size_t t = 0; t < set.tracks.size(); ++t) {
     for (const TrackFeature& member : set.tracks[t]) set.of_view[member.view].push_back(static_cast<std::uint32_t>(t));
   }
-  return set;
 }
 
 std::optional<std::size_t> position_in(const Track& track, std::size_t view) {

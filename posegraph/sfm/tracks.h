@@ -33,6 +33,9 @@ TrackSet build_tracks(const std::vector<std::size_t>& num_features, const std::v
 /// A track set from its tracks alone.
 TrackSet index_tracks(std::vector<Track> tracks, std::size_t num_views);
 
+/// Which tracks each view shows, again after tracks have changed.
+void index_views(TrackSet& set, std::size_t num_views);
+
 /// Where in a track a view's feature stands, if the view shows it.
 std::optional<std::size_t> position_in(const Track& track, std::size_t view);
 
