@@ -26,9 +26,12 @@ void print_run_report(std::ostream& out, const Sequence& sequence, const Sequenc
   if (errors.odometry && errors.final) {
     const double before = errors.odometry->translation_m.rmse;
     const double after = errors.final->translation_m.rmse;
-    out << std::fixed << std::setprecision(2) << "ATE:         " << before << " m odometry -> " << after << " m ("
-        << before / after << " times less)\n"
-        << std::defaultfloat;
+    out << std::fixed << std::setprecision(2) << "ATE:         " << before << " m odometry -> " << after << " m (";
+    if (before >= after) {
+      out << before / after << " times less)\n" << std::defaultfloat;
+    } else {
+      out << after / before << " times as much)\n" << std::defaultfloat;
+    }
   }
   out << "look at:     " << folder << "/map.png, " << folder << "/summary.json\n";
 }

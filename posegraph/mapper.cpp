@@ -95,10 +95,7 @@ void Mapper::add_neighbour_edge(const NeighbourLink& link) {
   edge.kind = EdgeKind::Neighbour;
   edge.has_scale = false;
   map_.graph.edges.push_back(edge);
-  if (edge.from + 1 == edge.to) {
-    rotation_errors_deg_.push_back(link.rotation_error_deg);
-    direction_errors_deg_.push_back(link.direction_error_deg);
-  }
+  odometry_differences_.push_back({edge.to - edge.from, link.rotation_error_deg, link.direction_error_deg});
 }
 
 void Mapper::take_loops() {
@@ -151,7 +148,7 @@ std::size_t Mapper::vertex_of(std::size_t position) const {
 
 void Mapper::solve() {
   const auto start = std::chrono::steady_clock::now();
-  map_.odometry_noise = estimate_odometry_noise(rotation_errors_deg_, direction_errors_deg_, options_.odometry_noise);
+  map_.odometry_noise = estimate_odometry_noise(odometry_differences_, options_.odometry_noise);
   constexpr double kStandstillShare = 0.1;
   const double min_length = std::max(1e-6, kStandstillShare * median_step(map_.graph.edges));
   for (Edge& edge : map_.graph.edges) {

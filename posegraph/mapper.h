@@ -96,7 +96,7 @@ class Mapper {
   Map map_;
   std::vector<Pose> odom_from_cameras_;  ///< By vertex.
   std::vector<LoopPair> loops_;          ///< One a loop edge, in their order.
-  std::vector<double> rotation_errors_deg_, direction_errors_deg_;
+  std::vector<OdometryDifference> odometry_differences_;
   bool has_new_loop_ = false;
   std::size_t num_since_solve_ = 0;
 };

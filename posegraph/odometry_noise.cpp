@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "verification/median.h"
 
@@ -17,17 +18,31 @@ constexpr std::size_t kMinSteps = 10;
 constexpr double kMinRotationDeg = 0.05;
 constexpr double kMinTranslation = 0.01;
 
+/// Differences over stretches of one length.
+struct Stretches {
+  std::vector<double> rotations_deg, directions_deg;
+};
+
 }  // namespace
 
-OdometryNoise estimate_odometry_noise(const std::vector<double>& rotation_errors_deg,
-                                      const std::vector<double>& direction_errors_deg, const OdometryNoise& fallback) {
-  OdometryNoise noise = fallback;
-  if (rotation_errors_deg.size() >= kMinSteps) {
-    noise.rotation_deg = std::max(kMinRotationDeg, median(rotation_errors_deg) / kMedianLength3d);
+OdometryNoise estimate_odometry_noise(const std::vector<OdometryDifference>& differences, const OdometryNoise& fallback) {
+  std::map<std::size_t, Stretches> by_length;
+  for (const OdometryDifference& difference : differences) {
+    Stretches& stretches = by_length[difference.num_steps];
+    stretches.rotations_deg.push_back(difference.rotation_deg);
+    stretches.directions_deg.push_back(difference.direction_deg);
   }
-  if (direction_errors_deg.size() >= kMinSteps) {
-    noise.translation = std::max(kMinTranslation, rad_from_deg(median(direction_errors_deg)) / kMedianLength2d);
-  }
+  const auto found = std::find_if(by_length.begin(), by_length.end(),
+                                  [](const auto& entry) { return entry.second.rotations_deg.size() >= kMinSteps; });
+  if (found == by_length.end()) return fallback;
+  const auto steps = static_cast<double>(found->first);
+  OdometryNoise noise;
+  noise.rotation_deg = std::max(kMinRotationDeg, median(found->second.rotations_deg) / kMedianLength3d / std::sqrt(steps));
+  // Across a stretch of n steps of length 1 the end is off by n times the direction's error: n translation errors, and n - 1
+  // turns, of which the k-th last moves the end by k.
+  const double across = steps * rad_from_deg(median(found->second.directions_deg)) / kMedianLength2d;
+  const double by_turns = std::pow(rad_from_deg(noise.rotation_deg), 2) * (steps - 1) * steps * (2 * steps - 1) / 6;
+  noise.translation = std::sqrt(std::max(kMinTranslation * kMinTranslation, (across * across - by_turns) / steps));
   return noise;
 }
 
