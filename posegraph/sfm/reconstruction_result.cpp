@@ -29,8 +29,9 @@ std::string why_left_out(const Scene& scene, const std::vector<ViewPair>& pairs,
   if (num_pairs == 0) return "no other image provably overlaps it";
   const std::size_t num_seen = visibility(scene, segments.front(), view).num_points;
   if (num_seen < options.resection.min_inliers) {
-    return "sees only " + std::to_string(num_seen) + " points of the map, where " +
-           std::to_string(options.resection.min_inliers) + " are needed";
+    const std::string points =
+        num_seen == 0 ? "none of the map's points" : "only " + std::to_string(num_seen) + " of the map's points";
+    return "sees " + points + ", where " + std::to_string(options.resection.min_inliers) + " are needed";
   }
   return "too few of the " + std::to_string(num_seen) + " points that it should see agree on one place";
 }
