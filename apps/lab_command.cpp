@@ -14,7 +14,7 @@ namespace {
 struct LabArguments {
   std::string description, out, data;
   int jobs = 0;
-  bool parameters = false;
+  bool parameters = false, fresh = false;
 };
 
 void print_parameters() {
@@ -36,6 +36,7 @@ void run_experiment(const LabArguments& arguments, const CommonOptions& common) 
   options.data_root = arguments.data;
   options.num_jobs = arguments.jobs > 0 ? arguments.jobs : common.num_threads;
   options.num_threads = common.num_threads;
+  if (arguments.fresh) options.if_found = WorkState::IfFound::Discard;
   options.warn = make_warn(common);
   options.progress = make_progress(common);
   const LabRunReport report = run_lab(description, arguments.out, options);
@@ -55,6 +56,7 @@ void add_lab_command(CLI::App& program, const CommonOptions& common) {
   command->add_option("--data", arguments->data, "folder that the description's sequences are in (default: the description's)");
   command->add_option("--jobs", arguments->jobs, "cells run at the same time (default: as many as --threads)")
       ->check(CLI::PositiveNumber);
+  command->add_flag("--fresh", arguments->fresh, "remove the cells that are in that folder, and make all anew");
   command->add_flag("--parameters", arguments->parameters, "list what a description may set or sweep, and end");
   command->callback([arguments, &common] { run_experiment(*arguments, common); });
 }

@@ -51,14 +51,12 @@ cv::Mat draw_series(const std::string& title, const LabSweep& sweep, const std::
   plot::draw_axes(picture, x, y);
   plot::write(picture, title, {kLeft, 30}, 0.0, plot::kTitleSize);
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const cv::Scalar colour = plot::series_colour(i);
-    plot::write_legend(picture, all[i].name, {kLeft, kFirstLine + kLine * static_cast<int>(i)}, colour);
+    const plot::LineStyle style = plot::series_style(i);
+    plot::write_legend(picture, all[i].name, {kLeft, kFirstLine + kLine * static_cast<int>(i)}, style);
     std::vector<cv::Point2d> path;
     for (const cv::Point2d& point : all[i].points) path.emplace_back(x.pixel(point.x), y.pixel(point.y));
-    // Colours repeat; thinner lines do not look the same.
-    draw::polyline(picture, path, colour, i < plot::kNumColours ? 2 : 1);
-    constexpr double kRadiusPx = 4;
-    for (const cv::Point2d& point : path) draw::disc(picture, point, kRadiusPx, colour);
+    plot::draw_series(picture, path, style);
+    for (const cv::Point2d& point : path) plot::draw_mark(picture, point, style);
   }
   return picture;
 }
