@@ -122,6 +122,7 @@ LabRunReport run_lab(const LabDescription& description, const fs::path& out, con
   const int threads_a_job = std::max(1, resolve_num_threads(options.num_threads) / num_jobs);
   std::mutex mutex;
   std::size_t num_done = 0;
+  if (options.progress) options.progress("cells", num_done, cells.size());
   parallel_for(cells.size(), num_jobs, [&](std::size_t i) {
     const fs::path file = out / "cells" / (checksums[i] + ".json");
     std::optional<CellResult> known = read_cell(file, checksums[i]);
