@@ -12,7 +12,9 @@
 #include <vector>
 
 #include "apps/command.h"
+#include "apps/evaluation_report.h"
 #include "apps/results_table.h"
+#include "apps/run_files.h"
 #include "apps/run_truth.h"
 #include "apps/stage_report.h"
 #include "frontend/error.h"
@@ -123,10 +125,11 @@ ordered_json judge_loops(const EvaluateArguments& arguments, const LoopTruth& tr
 }
 
 /// What the map's error would be without some of the stages.
-ordered_json judge_without_stages(const EvaluateArguments& arguments, const RunTruth& truth, const LedgerTable& ledger) {
+ordered_json judge_without_stages(const EvaluateArguments& arguments, const RunKind& kind, const RunTruth& truth,
+                                  const LedgerTable& ledger) {
   ordered_json result = ordered_json::array();
   const fs::path graph = arguments.truth.run / "graph.g2o";
-  if (!fs::exists(graph) || truth.reference.empty() || read_run_kind(arguments.truth.run).is_from_images) return result;
+  if (!fs::exists(graph) || truth.reference.empty() || kind.is_from_images) return result;
   for (const StageTrajectory& without : solve_without_stages(read_g2o(graph), ledger, truth.frame_times_ns)) {
     const auto ate = absolute_trajectory_error(without.trajectory, truth.reference, error_options(arguments));
     result.push_back({{"name", without.name},
@@ -135,56 +138,6 @@ ordered_json judge_without_stages(const EvaluateArguments& arguments, const RunT
                       {"ate_m", ate ? to_json(ate->translation_m) : ordered_json(nullptr)}});
   }
   return result;
-}
-
-void print_without_stages(const ordered_json& result) {
-  if (result.empty()) return;
-  std::cout << "the same map without stages (see trajectory.tum for the one with all)\n";
-  for (const ordered_json& without : result) {
-    std::cout << "  " << std::left << std::setw(20) << without["name"].get<std::string>() << std::right << "ATE rmse ";
-    if (without["ate_m"].is_null()) std::cout << "not defined";
-    if (!without["ate_m"].is_null()) std::cout << without["ate_m"]["rmse"].get<double>() << " m";
-    std::cout << ", " << without["loops"] << " loops: " << without["note"].get<std::string>() << '\n';
-  }
-}
-
-void print_rpe(const ordered_json& rpe, const std::string& name) {
-  if (rpe.is_null()) return;
-  std::cout << "  RPE " << name << "  rmse " << rpe["translation_m"]["rmse"].get<double>() << " m, "
-            << rpe["rotation_deg"]["rmse"].get<double>() << " deg (" << rpe["translation_m"]["count"] << " stretches)\n";
-}
-
-void print_trajectory(const std::string& name, const ordered_json& result) {
-  std::cout << name << '\n';
-  const ordered_json& ate = result["ate_m"];
-  if (ate.is_null()) {
-    std::cout << "  ATE  not defined: fewer than 3 poses at times of the reference, or all in one place\n";
-    return;
-  }
-  std::cout << "  ATE  rmse " << ate["rmse"].get<double>() << " m, mean " << ate["mean"].get<double>() << ", median "
-            << ate["median"].get<double>() << ", max " << ate["max"].get<double>() << " (" << ate["count"] << " of "
-            << result["poses"] << " poses, aligned by " << result["alignment"].get<std::string>();
-  if (result.contains("scale")) std::cout << ", scale " << result["scale"].get<double>();
-  std::cout << ")\n";
-  print_rpe(result["rpe_per_step"], "per step");
-  std::ostringstream distance;
-  distance << "per " << result["rpe_distance_m"].get<double>() << " m";
-  print_rpe(result["rpe_over_distance"], distance.str());
-  std::cout << "  repeat with: " << result["repeat_with"].get<std::string>() << '\n';
-}
-
-void print_loops(const ordered_json& result) {
-  std::cout << "loops.csv\n  accepted " << result["accepted"] << " of " << result["hypotheses"] << " hypotheses ("
-            << result["with_scale"] << " with scale): " << result["true"] << " true, " << result["false"] << " false, "
-            << result["unjudged"] << " not judged\n";
-  if (!result["precision"].is_null()) std::cout << "  precision " << result["precision"].get<double>() << '\n';
-  if (!result["query_recall"].is_null()) std::cout << "  query recall " << result["query_recall"].get<double>() << '\n';
-  if (!result["pair_recall"].is_null()) std::cout << "  pair recall " << result["pair_recall"].get<double>() << '\n';
-  for (const ordered_json& loop : result["false_loops"]) {
-    std::cout << "  " << loop["query"] << " - " << loop["match"] << ' ' << loop["why"].get<std::string>() << ", "
-              << loop["rotation_error_deg"].get<double>() << " deg, " << loop["translation_error_m"].get<double>() << " m\n";
-  }
-  std::cout << "  recipe: " << result["recipe"].get<std::string>() << '\n';
 }
 
 void write_tables(const EvaluateArguments& arguments, const StageEvaluation& stages) {
@@ -215,9 +168,10 @@ void run_evaluate(const EvaluateArguments& arguments) {
     result["loops"] = judge_loops(arguments, truth.loops);
     if (!arguments.table) {
       const LedgerTable ledger = read_ledger(run / "loops.csv");
-      stages = evaluate_stages(judge_run(ledger, truth.places, truth.loops, arguments.loops), arguments.stages);
+      const RunKind kind = run_kind(find_summary(run));
+      stages = evaluate_stages(judge_run(ledger, truth.places, truth.loops, arguments.loops), kind, arguments.stages);
       result["stages"] = stages_json(*stages);
-      result["without_stages"] = judge_without_stages(arguments, truth, ledger);
+      result["without_stages"] = judge_without_stages(arguments, kind, truth, ledger);
     }
   }
   if (stages && !arguments.tables.empty()) write_tables(arguments, *stages);
@@ -230,14 +184,14 @@ void run_evaluate(const EvaluateArguments& arguments) {
     return;
   }
   std::cout << std::setprecision(4);
-  for (const auto& [name, trajectory] : result["trajectories"].items()) print_trajectory(name, trajectory);
+  for (const auto& [name, trajectory] : result["trajectories"].items()) print_trajectory(std::cout, name, trajectory);
   if (!result["error_left"].is_null()) {
     std::cout << "ATE of trajectory.tum over that of trajectory_odometry.tum: " << result["error_left"].get<double>() << '\n';
   }
-  if (has_loops) print_loops(result["loops"]);
+  if (has_loops) print_loops(std::cout, result["loops"]);
   if (!stages) return;
   print_stages(std::cout, *stages);
-  print_without_stages(result["without_stages"]);
+  print_without_stages(std::cout, result["without_stages"]);
 }
 
 void add_truth_options(CLI::App* command, EvaluateArguments& arguments) {
@@ -260,7 +214,7 @@ void add_truth_options(CLI::App* command, EvaluateArguments& arguments) {
       ->add_option(
           "--false-radius", arguments.false_radius_m,
           "without pairs.csv: camera centres further apart than this show different places, those between are not judged "
-          "(default: twice the height)")
+          "(default: three times the height)")
       ->check(CLI::PositiveNumber);
   command
       ->add_option("--max-angle", arguments.max_angle_deg,
@@ -301,9 +255,9 @@ void add_evaluate_command(CLI::App& program) {
   command->callback([arguments] {
     if (arguments->max_angle_deg > 0.0) arguments->truth.places.poses.max_angle_deg = arguments->max_angle_deg;
     PoseRules& rules = arguments->truth.places.poses;
-    const double twice_height_m = 2.0 * arguments->loops.height_above_ground_m;
+    const double thrice_height_m = 3.0 * arguments->loops.height_above_ground_m;
     rules.not_judged_radius_m =
-        arguments->false_radius_m > 0.0 ? arguments->false_radius_m : std::max(rules.radius_m, twice_height_m);
+        arguments->false_radius_m > 0.0 ? arguments->false_radius_m : std::max(rules.radius_m, thrice_height_m);
     arguments->loops.false_radius_m = rules.not_judged_radius_m;
     arguments->loops.exclusion_window = arguments->truth.places.exclusion_window;
     run_evaluate(*arguments);

@@ -12,6 +12,8 @@
 #include "apps/command.h"
 #include "apps/run_files.h"
 #include "frontend/error.h"
+#include "frontend/fabmap/model.h"
+#include "frontend/fabmap/word_finder.h"
 #include "frontend/features/feature_extractor.h"
 #include "frontend/recognition/plot.h"
 #include "frontend/sequence/camera_yaml.h"
@@ -20,6 +22,7 @@
 #include "posegraph/inlier_file.h"
 #include "posegraph/run_parameters.h"
 #include "verification/pair_picture.h"
+#include "verification/word_matching.h"
 
 namespace fabloop::apps {
 namespace {
@@ -30,7 +33,7 @@ using nlohmann::ordered_json;
 struct ExplainArguments {
   fs::path run;
   std::size_t query = 0, match = 0;
-  fs::path sequence, camera, picture;
+  fs::path sequence, camera, model, picture;
 };
 
 /// One of the two images, as the run saw it.
@@ -77,6 +80,25 @@ std::vector<Match> inliers_of_run(const ExplainArguments& arguments, const View&
   return matches;
 }
 
+bool matched_by_words(const ordered_json& parameters) {
+  return parameters.value("verifier", ordered_json::object()).value("match_by", "features") == std::string("words");
+}
+
+/// What the run compared: all features, or those of one visual word, which the model tells. None where it is not given.
+std::vector<Match> matches_of(const ExplainArguments& arguments, const ordered_json& parameters, const Features& query,
+                              const Features& match) {
+  const VerifierOptions options = verifier_options_from_parameters(parameters.dump());
+  if (!matched_by_words(parameters)) return match_features(query, match, options.matching);
+  if (arguments.model.empty()) return {};
+  const Model model = read_model(arguments.model);
+  require_features(model, features_from_parameters(parameters.dump()));
+  const WordFinder words(model.vocabulary);
+  WordMatchingOptions of_words = options.word_matching;
+  of_words.matching = options.matching;
+  return match_shared_words(query, words.nearest_words(query.descriptors), match, words.nearest_words(match.descriptors),
+                            of_words);
+}
+
 void draw(const ExplainArguments& arguments, const Explanation& explanation, const ordered_json& parameters,
           const std::vector<std::string>& names) {
   if (arguments.sequence.empty()) throw InputError("--picture needs the images and their camera: give --sequence FOLDER");
@@ -85,9 +107,10 @@ void draw(const ExplainArguments& arguments, const Explanation& explanation, con
   const SeenImage match = see(arguments, arguments.match, names.at(arguments.match), extractor);
   Verification found = explanation.found;
   found.inliers = inliers_of_run(arguments, query.view, match.view);
-  const VerifierOptions options = verifier_options_from_parameters(parameters.dump());
-  const auto matches = match_features(query.view.features, match.view.features, options.matching);
+  const auto matches = matches_of(arguments, parameters, query.view.features, match.view.features);
   std::vector<std::string> remarks = explanation.words;
+  if (matched_by_words(parameters) && arguments.model.empty())
+    remarks.emplace_back("The run matched by words: its other matches are drawn with its model (--model).");
   if (explanation.verdict) remarks.insert(remarks.begin(), std::string(meaning_of(*explanation.verdict)));
   write_png(arguments.picture, draw_pair({query.view, match.view, query.gray, match.gray, names.at(arguments.query),
                                           names.at(arguments.match), matches, found, remarks, explanation.gates}));
@@ -148,6 +171,7 @@ void add_explain_command(CLI::App& program) {
   command->add_option("MATCH", arguments->match, "the earlier image")->required();
   command->add_option("--picture", arguments->picture, "PNG file to draw the pair to: inliers green, other matches red");
   command->add_option("--sequence", arguments->sequence, "folder of the run's images, for the picture");
+  command->add_option("--model", arguments->model, "the run's model, to draw what it matched by words (--match-by words)");
   command->add_option("--camera", arguments->camera, "calibration file (default: camera.yaml in that folder)");
   command->callback([arguments] { run_explain(*arguments); });
 }

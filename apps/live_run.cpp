@@ -20,10 +20,11 @@ namespace {
 constexpr auto kMostWait = std::chrono::seconds(5);
 
 /// The page of a run that has only begun.
-std::string live_page(const LiveFeed& feed, const std::string& title, const std::filesystem::path& out) {
+std::string live_page(const LiveFeed& feed, const std::string& title, const std::filesystem::path& out, LiveShows shows) {
   nlohmann::ordered_json data;
   data["live"] = {{"run", feed.latest()->run},
                   {"folder", std::filesystem::absolute(out).lexically_normal().string()},
+                  {"shows", shows == LiveShows::Map ? "map" : "progress"},
                   {"verdicts", live_verdicts()}};
   data["summary"] = {{"sequence", title}};
   data["frames"] = nlohmann::ordered_json::array();
@@ -62,10 +63,10 @@ void add_live_argument(CLI::App* command, LiveArguments& arguments) {
       ->type_name("[PORT]");
 }
 
-LiveRun::LiveRun(const LiveArguments& arguments, const std::string& title, const std::filesystem::path& out) {
+LiveRun::LiveRun(const LiveArguments& arguments, const std::string& title, const std::filesystem::path& out, LiveShows shows) {
   if (!arguments.is_asked) return;
   feed_ = std::make_shared<LiveFeed>();
-  server_ = std::make_unique<LiveServer>(*feed_, live_page(*feed_, title, out), arguments.port);
+  server_ = std::make_unique<LiveServer>(*feed_, live_page(*feed_, title, out, shows), arguments.port);
   std::cout << "live view: http://127.0.0.1:" << server_->port() << '/' << std::endl;
 }
 

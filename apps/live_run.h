@@ -23,12 +23,19 @@ struct LiveArguments {
 
 void add_live_argument(CLI::App* command, LiveArguments& arguments);
 
+/// What the page has to show.
+enum class LiveShows {
+  Map,       ///< A map that grows, which its report takes the place of.
+  Progress,  ///< Stages and how far they are, of a run without a map.
+};
+
 /// A run that a page shows while it goes on, or, where that was not asked for, one that costs nothing: then nothing is served,
 /// and callbacks are those that were given, or none.
 class LiveRun {
  public:
   /// Serves from here on and prints where. `out` is the run's folder. Throws InputError when the port cannot be had.
-  LiveRun(const LiveArguments& arguments, const std::string& title, const std::filesystem::path& out);
+  LiveRun(const LiveArguments& arguments, const std::string& title, const std::filesystem::path& out,
+          LiveShows shows = LiveShows::Map);
 
   /// Tells the page, too.
   Progress progress(Progress also) const;

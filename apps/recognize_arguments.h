@@ -29,6 +29,8 @@ struct RecognizeArguments {
   bool panorama = false, naive_bayes = false, every_match = false, float64 = false, strict = false, overwrite = false;
 };
 
+void add_recognize_arguments(CLI::App* command, RecognizeArguments& arguments);
+
 /// Average precision, recall and the rules, on the standard output.
 void print_judged(const PrecisionRecall& judged);
 

@@ -91,7 +91,7 @@ ordered_json errors(const fs::path& run, const Trajectory& reference, Alignment 
 
 ordered_json truth_data(const ReportInput& input, const RunKind& kind, const RunTruth& truth, const LedgerTable& ledger) {
   const JudgedRun judged = judge_run(ledger, truth.places, truth.loops, input.loops);
-  ordered_json data = {{"evaluation", stages_json(evaluate_stages(judged, input.stages))},
+  ordered_json data = {{"evaluation", stages_json(evaluate_stages(judged, kind, input.stages))},
                        {"rows", judgements(ledger, judged, truth.loops, input.loops)},
                        {"errors", errors(input.truth.run, truth.reference, alignment_of(kind))}};
   const fs::path graph = input.truth.run / "graph.g2o";
@@ -206,7 +206,7 @@ ordered_json report_data(const ReportInput& input) {
   data["frames"] = names;
   RunTruth truth;
   if (!input.truth.truth.empty()) truth = read_run_truth(input.truth);
-  const RunKind kind = read_run_kind(run);
+  const RunKind kind = run_kind(data["summary"]);
   data["map"] = map_data(run, truth.reference, times_ns, alignment_of(kind));
   data["ledger"] = ledger_data(ledger);
   if (kind.is_from_images) {

@@ -8,10 +8,20 @@
 
 namespace fabloop::apps {
 
-nlohmann::ordered_json read_summary(const std::filesystem::path& run) {
+nlohmann::ordered_json find_summary(const std::filesystem::path& run) {
   std::ifstream file(run / "summary.json");
   auto summary = nlohmann::ordered_json::parse(file, nullptr, false);
-  if (!summary.is_object()) {
+  return summary.is_object() ? summary : nlohmann::ordered_json(nullptr);
+}
+
+RunKind run_kind(const nlohmann::ordered_json& summary) {
+  if (!summary.is_object()) return {};
+  return {summary.value("method", "") == "structure from motion", summary.value("unit", "") != "arbitrary"};
+}
+
+nlohmann::ordered_json read_summary(const std::filesystem::path& run) {
+  auto summary = find_summary(run);
+  if (summary.is_null()) {
     throw InputError((run / "summary.json").string() + ": is missing or no JSON; give the folder that `fabloop map` wrote");
   }
   return summary;

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "apps/run_truth.h"
 
-#include <fstream>
-#include <nlohmann/json.hpp>
-
 #include "frontend/error.h"
 
 namespace fabloop::apps {
@@ -33,13 +30,6 @@ std::vector<std::int64_t> frame_times(const TruthArguments& arguments) {
 }
 
 }  // namespace
-
-RunKind read_run_kind(const fs::path& run) {
-  std::ifstream file(run / "summary.json");
-  const nlohmann::json summary = nlohmann::json::parse(file, nullptr, false);
-  if (!summary.is_object()) return {};
-  return {summary.value("method", "") == "structure from motion", summary.value("unit", "") != "arbitrary"};
-}
 
 std::optional<fs::path> reference_path(const TruthArguments& arguments) {
   const fs::path folder = truth_folder(arguments.truth);

@@ -21,14 +21,6 @@ struct TruthArguments {
   RecognitionTruthOptions places;
 };
 
-/// How a run came about, by its summary.json; as with odometry where there is none.
-struct RunKind {
-  bool is_from_images = false;  ///< Structure from motion: graph.g2o says what the map says, and cannot be solved without stages.
-  bool has_unit = true;         ///< Its unit of length is the metre, not an arbitrary one.
-};
-
-RunKind read_run_kind(const std::filesystem::path& run);
-
 /// What a run is judged against.
 struct RunTruth {
   std::vector<std::int64_t> frame_times_ns;

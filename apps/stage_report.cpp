@@ -2,26 +2,15 @@
 #include "apps/stage_report.h"
 
 #include <iomanip>
-#include <limits>
-#include <sstream>
 #include <string>
 
+#include "apps/lab/figure_output.h"
 #include "frontend/output_file.h"
 
 namespace fabloop::apps {
 namespace {
 
 using nlohmann::ordered_json;
-
-ordered_json to_json(const EstimatedFigure& figure) {
-  if (!figure.value) return nullptr;
-  ordered_json json = {{"value", *figure.value}};
-  if (figure.interval) {
-    json["low"] = figure.interval->low;
-    json["high"] = figure.interval->high;
-  }
-  return json;
-}
 
 ordered_json curve_json(const PrecisionRecallCurve& curve) {
   ordered_json thresholds = ordered_json::array(), precisions = ordered_json::array(), recalls = ordered_json::array();
@@ -50,7 +39,7 @@ ordered_json stage_json(const StageResult& stage) {
                        {"score", stage.score},
                        {"before", {{"true", stage.num_true_before}, {"false", stage.num_false_before}}},
                        {"passed", {{"true", stage.num_true}, {"false", stage.num_false}, {"unjudged", stage.num_unjudged}}}};
-  for (const StageFigure& named : stage_figures()) json[std::string(named.name)] = to_json(stage.*named.figure);
+  for (const StageFigure& named : stage_figures()) json[std::string(named.name)] = figure_json(stage.*named.figure);
   ordered_json recall_at = ordered_json::object();
   for (const RecallAt& at : stage.recall_at) recall_at[std::to_string(at.k)] = at.recall;
   json["recall_at"] = recall_at;
@@ -59,38 +48,17 @@ ordered_json stage_json(const StageResult& stage) {
   return json;
 }
 
-/// "0.912 [0.88, 0.94]", or "-".
-std::string figure_text(const EstimatedFigure& figure) {
-  if (!figure.value) return "-";
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(3) << *figure.value;
-  if (figure.interval) text << std::setprecision(2) << " [" << figure.interval->low << ", " << figure.interval->high << ']';
-  return text.str();
-}
-
-/// As many digits as it takes to get the same number back; an empty field where it is not known.
-void put(std::ostream& out, const std::optional<double>& value) {
-  out << ',';
-  if (value) out << std::setprecision(std::numeric_limits<double>::max_digits10) << *value;
-}
-
 void write_stages_csv(const std::filesystem::path& path, const StageEvaluation& evaluation) {
   OutputFile file(path);
   file.stream() << "# " << evaluation.recipe << "\nstage,score,true_before,false_before,true,false,unjudged";
-  for (const StageFigure& named : stage_figures())
-    file.stream() << ',' << named.name << ',' << named.name << "_low," << named.name << "_high";
+  for (const StageFigure& named : stage_figures()) put_figure_names(file.stream(), named);
   for (const RecallAt& at : evaluation.stages.front().recall_at) file.stream() << ",recall_at_" << at.k;
   file.stream() << '\n';
   for (const StageResult& stage : evaluation.stages) {
     file.stream() << in_words(stage.stage) << ',' << stage.score << ',' << stage.num_true_before << ',' << stage.num_false_before
                   << ',' << stage.num_true << ',' << stage.num_false << ',' << stage.num_unjudged;
-    for (const StageFigure& named : stage_figures()) {
-      const EstimatedFigure& figure = stage.*named.figure;
-      put(file.stream(), figure.value);
-      put(file.stream(), figure.interval ? std::optional(figure.interval->low) : std::nullopt);
-      put(file.stream(), figure.interval ? std::optional(figure.interval->high) : std::nullopt);
-    }
-    for (const RecallAt& at : stage.recall_at) put(file.stream(), at.recall);
+    for (const StageFigure& named : stage_figures()) put_figure(file.stream(), stage.*named.figure);
+    for (const RecallAt& at : stage.recall_at) put_field(file.stream(), at.recall);
     file.stream() << '\n';
   }
   file.commit();
@@ -103,7 +71,7 @@ void write_curves_csv(const std::filesystem::path& path, const StageEvaluation& 
     if (!stage.curve) continue;
     for (const PrecisionRecallPoint& point : stage.curve->points) {
       file.stream() << in_words(stage.stage);
-      for (const double value : {point.threshold, point.precision, point.recall}) put(file.stream(), value);
+      for (const double value : {point.threshold, point.precision, point.recall}) put_field(file.stream(), value);
       file.stream() << '\n';
     }
   }
@@ -117,8 +85,8 @@ void write_calibration_csv(const std::filesystem::path& path, const StageEvaluat
     if (!stage.calibration) continue;
     for (const ReliabilityBin& bin : stage.calibration->bins) {
       file.stream() << in_words(stage.stage) << ',' << bin.lowest << ',' << bin.highest << ',' << bin.count;
-      put(file.stream(), bin.count > 0 ? std::optional(bin.mean_score) : std::nullopt);
-      put(file.stream(), bin.count > 0 ? std::optional(bin.share_true) : std::nullopt);
+      put_field(file.stream(), bin.count > 0 ? std::optional(bin.mean_score) : std::nullopt);
+      put_field(file.stream(), bin.count > 0 ? std::optional(bin.share_true) : std::nullopt);
       file.stream() << '\n';
     }
   }
@@ -126,6 +94,14 @@ void write_calibration_csv(const std::filesystem::path& path, const StageEvaluat
 }
 
 }  // namespace
+
+StageEvaluation evaluate_stages(const JudgedRun& run, const RunKind& kind, const StageOptions& options) {
+  StageEvaluation evaluation = fabloop::evaluate_stages(run, options);
+  if (!kind.is_from_images) return evaluation;
+  for (StageResult& stage : evaluation.stages) forget_ranking(stage);
+  evaluation.recipe += "; structure from motion tries all its pairs alike, so nothing is said of their order and probabilities";
+  return evaluation;
+}
 
 ordered_json stages_json(const StageEvaluation& evaluation) {
   ordered_json stages = ordered_json::array();
@@ -144,7 +120,8 @@ void print_stages(std::ostream& out, const StageEvaluation& evaluation) {
   for (const StageResult& stage : evaluation.stages) {
     out << "  " << std::left << std::setw(12) << in_words(stage.stage) << std::right << std::setw(8) << stage.num_true
         << std::setw(8) << stage.num_false << std::setw(8) << stage.num_unjudged;
-    for (const StageFigure& named : stage_figures()) out << "  " << std::left << std::setw(18) << figure_text(stage.*named.figure);
+    for (const StageFigure& named : stage_figures())
+      out << "  " << std::left << std::setw(18) << figure_text(stage.*named.figure);
     out << '\n';
   }
   for (const StageResult& stage : evaluation.stages) {

@@ -6,9 +6,14 @@
 #include <ostream>
 #include <vector>
 
+#include "apps/run_files.h"
 #include "posegraph/stage_evaluation.h"
 
 namespace fabloop::apps {
+
+/// What each stage makes of a run of that kind: structure from motion tries all its pairs alike, so of them nothing is said of
+/// ranking and calibration.
+StageEvaluation evaluate_stages(const JudgedRun& run, const RunKind& kind, const StageOptions& options);
 
 /// All figures, curves and diagrams.
 nlohmann::ordered_json stages_json(const StageEvaluation& evaluation);

@@ -15,6 +15,10 @@ void line(cv::Mat& picture, const cv::Point2d& begin, const cv::Point2d& end, co
 /// Open: the last point is not joined to the first.
 void polyline(cv::Mat& picture, const std::vector<cv::Point2d>& points, const cv::Scalar& colour, int thickness_px = 1);
 
+/// As polyline(), with dashes: lengths in pixels that are drawn and left out by turns, along the whole path. Empty: all is drawn.
+void dashed_polyline(cv::Mat& picture, const std::vector<cv::Point2d>& points, const std::vector<double>& dashes_px,
+                     const cv::Scalar& colour, int thickness_px = 1);
+
 void circle(cv::Mat& picture, const cv::Point2d& centre, double radius_px, const cv::Scalar& colour, int thickness_px = 1);
 
 /// A filled circle.

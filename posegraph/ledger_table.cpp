@@ -59,7 +59,11 @@ std::optional<double> LedgerTable::figure(const LedgerRow& row, std::string_view
   return row.figures.at(static_cast<std::size_t>(found - columns.begin()));
 }
 
-LedgerTable read_ledger(const std::filesystem::path& path) {
+bool leads_into_earlier_map(const LedgerTable& table, const LedgerRow& row) {
+  return table.figure(row, "session") != table.figure(row, "match_session");
+}
+
+LedgerTable read_ledger(const std::filesystem::path& path, LedgerRows wanted) {
   LedgerTable table;
   for_each_csv_line(path, [&](const CsvFields& fields, const CsvFail& fail) {
     if (table.columns.empty()) {
@@ -71,7 +75,7 @@ LedgerTable read_ledger(const std::filesystem::path& path) {
       fail("has " + std::to_string(fields.size()) + " columns, but the head line has " + std::to_string(table.columns.size()));
     }
     LedgerRow row = read_row(table, fields, fail);
-    if (table.figure(row, "session") == table.figure(row, "match_session")) table.rows.push_back(std::move(row));
+    if (wanted == LedgerRows::All || !leads_into_earlier_map(table, row)) table.rows.push_back(std::move(row));
   });
   if (table.columns.empty())
     throw InputError(path.string() + ": has no head line; write query,match,probability,verdict,... first");

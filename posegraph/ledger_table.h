@@ -20,14 +20,22 @@ struct LedgerRow {
 /// A run's `loops.csv` with all its columns.
 struct LedgerTable {
   std::vector<std::string> columns;  ///< The head line.
-  std::vector<LedgerRow> rows;       ///< Those whose match is a frame of this sequence, in the file's order.
+  std::vector<LedgerRow> rows;       ///< In the file's order; see LedgerRows.
 
   /// The figure of that column; none where the row, or the whole file, does not have it.
   std::optional<double> figure(const LedgerRow& row, std::string_view column) const;
 };
 
-/// Reads it. Lines whose `match_session` is not their `session` are left out, as in read_loops(). Throws InputError naming file
-/// and line.
-LedgerTable read_ledger(const std::filesystem::path& path);
+/// Which lines of a ledger count.
+enum class LedgerRows {
+  WithinSession,  ///< Those whose match is a frame of this sequence, as in read_loops().
+  All,            ///< Also those that led into an earlier map; see leads_into_earlier_map().
+};
+
+/// Reads it. Throws InputError naming file and line.
+LedgerTable read_ledger(const std::filesystem::path& path, LedgerRows wanted = LedgerRows::WithinSession);
+
+/// Whether the row's match is a frame of an earlier map: its `match_session` is not its `session`.
+bool leads_into_earlier_map(const LedgerTable& table, const LedgerRow& row);
 
 }  // namespace fabloop

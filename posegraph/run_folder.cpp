@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "frontend/sequence/trajectory.h"
+#include "frontend/sequence/sequence_trajectories.h"
 #include "posegraph/g2o_io.h"
 #include "posegraph/inlier_file.h"
 #include "posegraph/map_picture.h"
@@ -14,20 +14,8 @@
 #include "verification/ledger.h"
 
 namespace fabloop {
-namespace {
-
-Trajectory reference_of(const Sequence& sequence) {
-  Trajectory reference;
-  for (const Frame& frame : sequence.frames) {
-    if (frame.world_from_camera) reference.push_back({frame.time_ns, *frame.world_from_camera});
-  }
-  return reference;
-}
-
-}  // namespace
-
 RunErrors run_errors(const Sequence& sequence, const Map& map) {
-  const Trajectory reference = reference_of(sequence);
+  const Trajectory reference = reference_trajectory(sequence);
   return {absolute_trajectory_error(map.odometry_trajectory, reference),
           absolute_trajectory_error(map.online_trajectory, reference),
           absolute_trajectory_error(map.final_trajectory, reference)};

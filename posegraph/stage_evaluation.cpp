@@ -92,6 +92,14 @@ std::span<const StageFigure> stage_figures() {
   return kFigures;
 }
 
+void forget_ranking(StageResult& stage) {
+  stage.average_precision = stage.recall_at_full_precision = {};
+  stage.expected_calibration_error = stage.brier_score = {};
+  stage.curve.reset();
+  stage.recall_at.clear();
+  stage.calibration.reset();
+}
+
 JudgedRun judge_run(const LedgerTable& ledger, const GroundTruth& places, const LoopTruth& loops,
                     const LoopEvaluationOptions& options) {
   JudgedRun run;

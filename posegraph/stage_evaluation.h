@@ -110,6 +110,10 @@ struct StageFigure {
 /// All of them, in the order of StageResult.
 std::span<const StageFigure> stage_figures();
 
+/// Takes away what a score sorts or claims (curve, average precision, recall at full precision and at K, calibration): for
+/// hypotheses whose score says nothing. What passed stays.
+void forget_ranking(StageResult& stage);
+
 /// What each stage makes of a run.
 StageEvaluation evaluate_stages(const JudgedRun& run, const StageOptions& options = {});
 

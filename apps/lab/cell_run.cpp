@@ -9,6 +9,7 @@
 #include "frontend/error.h"
 #include "frontend/parallel.h"
 #include "frontend/recognition/recognition_truth.h"
+#include "frontend/sequence/sequence_trajectories.h"
 #include "posegraph/own_model.h"
 
 namespace fabloop {
@@ -69,10 +70,8 @@ void read_truths(const fs::path& folder, const LabCell& cell, CellData& data) {
   data.loops = read_loop_truth(folder);
   if (data.loops.world_from_camera.size() != data.sequence.frames.size())
     throw InputError((folder / "frames.csv").string() + ": has not as many frames as the sequence has images; list each once");
-  for (const Frame& frame : data.sequence.frames) {
-    data.frame_times_ns.push_back(frame.time_ns);
-    if (frame.world_from_camera) data.reference.push_back({frame.time_ns, *frame.world_from_camera});
-  }
+  for (const Frame& frame : data.sequence.frames) data.frame_times_ns.push_back(frame.time_ns);
+  data.reference = reference_trajectory(data.sequence);
 }
 
 CellData look_at(const fs::path& folder, const LabCell& cell, const LabDescription& description, int num_threads) {
@@ -89,9 +88,16 @@ CellData look_at(const fs::path& folder, const LabCell& cell, const LabDescripti
                 [&](const DescribedFrame& frame) { return has_odometry && !data.sequence.frames[frame.frame].odom_from_camera; });
   data.frames = std::move(described.frames);
   if (data.frames.size() < 2) throw InputError(folder.string() + ": fewer than two images can be used");
-  data.model = train_own_model(data.frames.size(), [&](std::size_t i) { return data.frames[i].features; },
+  data.earlier = look_at_earlier(cell.earlier_folder, description.features, num_threads);
+  // One model for all that is compared, as `fabloop map --earlier-map` needs it.
+  const std::size_t num_earlier = data.earlier.frames.size();
+  const auto features_of = [&](std::size_t i) {
+    return i < num_earlier ? data.earlier.frames[i].features : data.frames[i - num_earlier].features;
+  };
+  data.model = train_own_model(num_earlier + data.frames.size(), features_of,
                                {.features = description.features, .num_threads = num_threads})
                    .model;
+  if (description.verifies()) data.earlier_map = keyframes_of(data.earlier, data.model, num_threads);
   return data;
 }
 
@@ -101,12 +107,16 @@ std::vector<ImageDigest> digest(const CellData& data, const LabDescription& desc
     if (method.method) methods.push_back(*method.method);
   }
   const ImageDigester digester(methods, &data.model);
-  std::vector<ImageDigest> digests(data.frames.size());
+  const std::size_t num_earlier = data.earlier.frames.size();
+  std::vector<ImageDigest> digests(num_earlier + data.frames.size());
   parallel_for(digests.size(), num_threads, [&](std::size_t i) {
-    const Frame& frame = data.sequence.frames[data.frames[i].frame];
-    const cv::Mat gray = digester.needs_image() ? read_gray_image(frame.image_path, data.sequence.camera) : cv::Mat{};
-    digests[i] = digester.digest(data.frames[i].features, gray);
-    digests[i].frame = data.frames[i].frame;
+    const bool is_earlier = i < num_earlier;
+    const Sequence& sequence = is_earlier ? data.earlier.sequence : data.sequence;
+    const DescribedFrame& described = is_earlier ? data.earlier.frames[i] : data.frames[i - num_earlier];
+    const Frame& frame = sequence.frames[described.frame];
+    const cv::Mat gray = digester.needs_image() ? read_gray_image(frame.image_path, sequence.camera) : cv::Mat{};
+    digests[i] = digester.digest(described.features, gray);
+    digests[i].frame = described.frame + (is_earlier ? 0 : data.earlier.num_frames());
     digests[i].time_ns = frame.time_ns;
   });
   return digests;
@@ -117,20 +127,17 @@ ScoreTable scores_of(const LabMethod& method, const CellData& data, const std::v
   PlaceScoreOptions options;
   options.num_recent_excluded = static_cast<std::size_t>(cell.settings.window);
   options.num_threads = num_threads;
-  if (method.method) return score_sequence(*method.method, &data.model, digests, options);
+  if (method.method) {
+    ScoreTable table = score_sequence(*method.method, &data.model, digests, options);
+    // Frames of the earlier flight are places, but nobody asks where they are.
+    table.rows.erase(table.rows.begin(), table.rows.begin() + static_cast<std::ptrdiff_t>(data.earlier.frames.size()));
+    return table;
+  }
   std::vector<std::size_t> frames;
   for (const DescribedFrame& frame : data.frames) frames.push_back(frame.frame);
   ScoreTable table = empty_scores(frames, frames, true, options.num_recent_excluded);
   read_scores(scores_file(method, cell, description), table);
   return table;
-}
-
-Trajectory odometry_of(const Sequence& sequence) {
-  Trajectory odometry;
-  for (const Frame& frame : sequence.frames) {
-    if (frame.odom_from_camera) odometry.push_back({frame.time_ns, *frame.odom_from_camera});
-  }
-  return odometry;
 }
 
 }  // namespace
@@ -140,7 +147,7 @@ CellResult run_cell(const LabCell& cell, const LabDescription& description, cons
   const fs::path folder = prepare(cell, description, scratch, num_threads, result);
   const CellData data = look_at(folder, cell, description, num_threads);
   result.num_frames = data.frames.size();
-  result.odometry_ate_m = ate_of(odometry_of(data.sequence), data.reference);
+  result.odometry_ate_m = ate_of(odometry_trajectory(data.sequence), data.reference);
   const std::vector<ImageDigest> digests = digest(data, description, num_threads);
   for (const LabMethod& method : description.methods) {
     const ScoreTable scores = scores_of(method, data, digests, cell, description, num_threads);

@@ -20,9 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Raise it with every change of the program that changes what a cell comes to (features, methods, verification, mapper, back ends,
-/// troubles, synthetic worlds, rules of truth, form of a cell's file), so that cells of before are made anew. Within one version of
-/// fabloop nothing else notices.
+/// Raise it with every change of the program that changes what a cell comes to (features, methods, verification, mapper, back
+/// ends, troubles, synthetic worlds, rules of truth, form of a cell's file), so that cells of before are made anew. Within one
+/// version of fabloop nothing else notices.
 constexpr int kResultVersion = 2;
 
 constexpr std::array<std::string_view, 8> kTextFiles = {".csv", ".g2o", ".json", ".tum", ".txt", ".xml", ".yaml", ".yml"};
@@ -42,7 +42,8 @@ std::uint64_t checksum_of_file(const fs::path& path, const std::string& what) {
 std::string state_of(const fs::directory_entry& file) {
   if (std::find(kTextFiles.begin(), kTextFiles.end(), file.path().extension().string()) != kTextFiles.end())
     return "checksum " + std::to_string(checksum_of_file(file.path(), "a file of the sequence"));
-  return std::to_string(file.file_size()) + " bytes, changed " + std::to_string(file.last_write_time().time_since_epoch().count());
+  return std::to_string(file.file_size()) + " bytes, changed " +
+         std::to_string(file.last_write_time().time_since_epoch().count());
 }
 
 /// All files below a folder, those of linked folders too, and the state of each.
@@ -91,6 +92,14 @@ std::vector<LabCell> swept_cells(const LabDescription& description) {
   return cells;
 }
 
+/// Throws InputError where there is no such folder.
+fs::path folder_of_sequence(const std::string& name, const LabDescription& description, const fs::path& data_root) {
+  const fs::path folder = data_root / name;
+  if (fs::is_directory(folder)) return folder;
+  throw InputError(folder.string() + ": there is no such sequence, which " + description.path.string() +
+                   " names; say with --data where its folders are");
+}
+
 }  // namespace
 
 std::string LabCell::group() const {
@@ -108,11 +117,12 @@ std::string name_of_folder(const fs::path& folder) {
 std::vector<LabCell> cells_of(const LabDescription& description, const fs::path& data_root) {
   std::vector<LabCell> cells;
   std::set<std::string> names;
-  const auto add = [&](const std::string& data, const fs::path& folder, double height_m) {
+  const auto add = [&](const std::string& data, const fs::path& folder, const fs::path& earlier, double height_m) {
     if (!names.insert(data).second) throw InputError(description.path.string() + ": two sequences are called " + data);
     for (LabCell cell : swept_cells(description)) {
       cell.data = data;
       cell.folder = folder;
+      cell.earlier_folder = earlier;
       cell.height_above_ground_m = height_m;
       for (const std::uint64_t seed : description.seeds) {
         cell.seed = seed;
@@ -121,14 +131,17 @@ std::vector<LabCell> cells_of(const LabDescription& description, const fs::path&
       }
     }
   };
-  if (description.synthetic) add("synthetic", {}, description.synthetic->mean_height_m);
+  if (description.synthetic) add("synthetic", {}, {}, description.synthetic->mean_height_m);
   for (const SequenceData& sequence : description.sequences) {
-    const fs::path folder = data_root / sequence.folder;
-    if (!fs::is_directory(folder)) {
-      throw InputError(folder.string() + ": there is no such sequence, which " + description.path.string() +
-                       " names; say with --data where its folders are");
+    const fs::path folder = folder_of_sequence(sequence.folder, description, data_root);
+    if (sequence.earlier.empty()) {
+      add(name_of_folder(folder), folder, {}, sequence.height_above_ground_m);
+      continue;
     }
-    add(name_of_folder(folder), folder, sequence.height_above_ground_m);
+    const fs::path earlier = folder_of_sequence(sequence.earlier, description, data_root);
+    if (fs::equivalent(folder, earlier))
+      throw InputError(folder.string() + ": cannot come after itself, since all pairs across two flights count as false");
+    add(name_of_folder(folder) + " after " + name_of_folder(earlier), folder, earlier, sequence.height_above_ground_m);
   }
   return cells;
 }
@@ -147,8 +160,7 @@ fs::path scores_file(const LabMethod& method, const LabCell& cell, const LabDesc
 std::string cell_text(const LabCell& cell, const LabDescription& description) {
   std::ostringstream text;
   text << std::setprecision(std::numeric_limits<double>::max_digits10) << "fabloop " << FABLOOP_VERSION << ", results "
-       << kResultVersion << "\ndata " << cell.data
-       << ' ' << cell.height_above_ground_m << "\nseed " << cell.seed << '\n';
+       << kResultVersion << "\ndata " << cell.data << ' ' << cell.height_above_ground_m << "\nseed " << cell.seed << '\n';
   if (description.synthetic) {
     const SyntheticData& data = *description.synthetic;
     for (const double value : {data.length_m, data.spacing_m, data.mean_height_m, data.height_spread_m, data.max_strip_gap_m,
@@ -157,6 +169,10 @@ std::string cell_text(const LabCell& cell, const LabDescription& description) {
     text << '\n';
   } else {
     list_files(text, cell.folder);
+    if (!cell.earlier_folder.empty()) {
+      text << "after\n";
+      list_files(text, cell.earlier_folder);
+    }
   }
   LabSettings settings = cell.settings;
   for (const LabParameter& parameter : lab_parameters()) text << parameter.name << ' ' << parameter.of(settings) << '\n';

@@ -85,6 +85,7 @@ class Reader {
       SequenceData sequence;
       read_yaml_map(file_, entry, "a sequence",
                     {{"folder", [&](const YAML::Node& n) { sequence.folder = yaml_text(file_, n, "folder"); }},
+                     {"earlier", [&](const YAML::Node& n) { sequence.earlier = yaml_text(file_, n, "earlier"); }},
                      {"height_m", number(sequence.height_above_ground_m, "height_m", 0.01, kMaxMetres)}});
       if (sequence.folder.empty()) file_.fail(entry.Mark(), "a sequence needs its folder");
       result_.sequences.push_back(sequence);
@@ -231,10 +232,14 @@ class Reader {
 
   /// Scores are by frame numbers, so one file cannot be of two sequences of images.
   void require_placeholders(const LabMethod& method, const YAML::Mark& mark) const {
+    for (const SequenceData& sequence : result_.sequences) {
+      if (!sequence.earlier.empty())
+        file_.fail(mark, "the scores of '" + method.name + "' are of one sequence, and cannot be of an earlier one too");
+    }
     const auto require = [&](const std::string& key, const std::string& why) {
       if (method.scores.find('{' + key + '}') != std::string::npos) return;
-      file_.fail(mark, "the scores of '" + method.name + "' are of other images " + why + "; give each its own file with {" + key +
-                           "} in the path");
+      file_.fail(mark, "the scores of '" + method.name + "' are of other images " + why + "; give each its own file with {" +
+                           key + "} in the path");
     };
     bool is_changed = result_.synthetic.has_value();
     for (const LabParameter& parameter : lab_parameters()) {

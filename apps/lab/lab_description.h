@@ -29,6 +29,8 @@ struct SyntheticData {
 struct SequenceData {
   std::string folder;  ///< As the description names it: relative to the folder of data.
   double height_above_ground_m = 60.0;
+  /// The folder of a flight over another place, whose frames are in the map before; empty: none. All pairs across are false.
+  std::string earlier{};
 };
 
 /// A way to propose places.

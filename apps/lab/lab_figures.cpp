@@ -2,7 +2,9 @@
 #include "apps/lab/lab_figures.h"
 
 #include <algorithm>
+#include <iomanip>
 #include <opencv2/imgproc.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -35,6 +37,15 @@ std::vector<Series> false_shares(const std::vector<const MethodRows*>& groups) {
   return all;
 }
 
+/// "geometry: 0, 1.6, 12.1 %": lines that coincide hide one another, so the legend has their values too.
+std::string legend_of(const Series& series) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(1) << series.name << ": ";
+  for (std::size_t i = 0; i < series.points.size(); ++i) text << (i > 0 ? ", " : "") << 100.0 * series.points[i].y;
+  text << (series.points.empty() ? "nothing passed" : " %");
+  return text.str();
+}
+
 /// `sweep` has at least two values, all of them different.
 cv::Mat draw_series(const std::string& title, const LabSweep& sweep, const std::vector<Series>& all) {
   double most = 0.0;
@@ -46,19 +57,18 @@ cv::Mat draw_series(const std::string& title, const LabSweep& sweep, const std::
   // Over all values, so that one at which nothing passed is seen to have no point.
   const auto [low, high] = std::minmax_element(sweep.values.begin(), sweep.values.end());
   const plot::Axis x{*low, *high, kLeft, kWidth - kRight, std::string(sweep.parameter->name)};
-  constexpr double kLeastRange = 0.01;
-  const plot::Axis y{0.0, std::max(kLeastRange, most), top + kPlotHeight, top, "share of false ones among those that passed"};
+  constexpr double kLeastRange = 0.01, kHeadroom = 1.05;
+  const plot::Axis y{0.0, std::max(kLeastRange, kHeadroom * most), top + kPlotHeight, top,
+                     "share of false ones among those that passed"};
   plot::draw_axes(picture, x, y);
   plot::write(picture, title, {kLeft, 30}, 0.0, plot::kTitleSize);
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const cv::Scalar colour = plot::series_colour(i);
-    plot::write_legend(picture, all[i].name, {kLeft, kFirstLine + kLine * static_cast<int>(i)}, colour);
+    const plot::LineStyle style = plot::series_style(i);
+    plot::write_legend(picture, legend_of(all[i]), {kLeft, kFirstLine + kLine * static_cast<int>(i)}, style);
     std::vector<cv::Point2d> path;
     for (const cv::Point2d& point : all[i].points) path.emplace_back(x.pixel(point.x), y.pixel(point.y));
-    // Colours repeat; thinner lines do not look the same.
-    draw::polyline(picture, path, colour, i < plot::kNumColours ? 2 : 1);
-    constexpr double kRadiusPx = 4;
-    for (const cv::Point2d& point : path) draw::disc(picture, point, kRadiusPx, colour);
+    plot::draw_series(picture, path, style);
+    for (const cv::Point2d& point : path) plot::draw_mark(picture, point, style);
   }
   return picture;
 }

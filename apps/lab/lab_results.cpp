@@ -29,15 +29,6 @@ std::optional<double> mean_of(std::size_t count, const std::function<std::option
   return num_known == count && count > 0 ? std::optional(sum / static_cast<double>(count)) : std::nullopt;
 }
 
-/// Injected loops have no score: figures of what a score sorts or claims would pass them over.
-void forget_ranking(StageResult& stage) {
-  stage.average_precision = stage.recall_at_full_precision = {};
-  stage.expected_calibration_error = stage.brier_score = {};
-  stage.curve.reset();
-  stage.recall_at.clear();
-  stage.calibration.reset();
-}
-
 bool has_injected(const BackEndTrial& trial) {
   return std::any_of(trial.loops.begin(), trial.loops.end(), [](const TriedLoop& loop) { return loop.is_injected; });
 }
@@ -66,6 +57,7 @@ std::vector<StageRow> stage_rows(const Replicates& replicates, const LabDescript
     bool is_injected = false;
     for (std::size_t i = 0; i < replicates.cells.size(); ++i)
       is_injected = is_injected || has_injected(replicates.of(i).back_ends[b]);
+    // Injected loops have no score, and would be passed over.
     if (is_injected) forget_ranking(stage);
     rows.push_back({"back end: " + description.back_ends[b].name, std::move(stage),
                     mean_of(replicates.cells.size(), [&](std::size_t i) { return replicates.of(i).back_ends[b].ate_m; })});

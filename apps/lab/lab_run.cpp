@@ -14,6 +14,7 @@
 #include "apps/lab/lab_results.h"
 #include "apps/lab/lab_tables.h"
 #include "frontend/error.h"
+#include "frontend/folder_lock.h"
 #include "frontend/output_file.h"
 #include "frontend/parallel.h"
 
@@ -55,6 +56,19 @@ class ScratchFolder {
   fs::path path_;
 };
 
+/// All finished cells; those that a killed run was at go when they are made again.
+void remove_cells(const fs::path& folder) {
+  std::vector<fs::path> cells;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().extension() == ".json" && entry.is_regular_file()) cells.push_back(entry.path());
+  }
+  for (const fs::path& cell : cells) {
+    std::error_code error;
+    fs::remove(cell, error);
+    if (error) throw InputError(cell.string() + ": is of an earlier run and cannot be removed: " + error.message());
+  }
+}
+
 std::size_t count_stale(const fs::path& folder, const std::vector<std::string>& checksums) {
   const std::set<std::string> known(checksums.begin(), checksums.end());
   std::size_t count = 0;
@@ -95,6 +109,8 @@ LabRunReport run_lab(const LabDescription& description, const fs::path& out, con
     cells.push_back({std::move(cell), {}});
   }
   open_folder(out);
+  const FolderLock lock(out);
+  if (options.if_found == WorkState::IfFound::Discard) remove_cells(out / "cells");
   LabRunReport report;
   report.num_cells = cells.size();
   report.num_stale = count_stale(out / "cells", checksums);
@@ -106,6 +122,7 @@ LabRunReport run_lab(const LabDescription& description, const fs::path& out, con
   const int threads_a_job = std::max(1, resolve_num_threads(options.num_threads) / num_jobs);
   std::mutex mutex;
   std::size_t num_done = 0;
+  if (options.progress) options.progress("cells", num_done, cells.size());
   parallel_for(cells.size(), num_jobs, [&](std::size_t i) {
     const fs::path file = out / "cells" / (checksums[i] + ".json");
     std::optional<CellResult> known = read_cell(file, checksums[i]);
@@ -117,7 +134,7 @@ LabRunReport run_lab(const LabDescription& description, const fs::path& out, con
       known = read_cell(file, checksums[i]);
     }
     cells[i].result = std::move(*known);
-    const std::scoped_lock lock(mutex);
+    const std::scoped_lock guard(mutex);
     report.num_there += was_there;
     ++num_done;
     if (options.progress) options.progress("cells", num_done, cells.size());

@@ -4,23 +4,17 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <utility>
 
+#include "apps/lab/figure_output.h"
 #include "frontend/output_file.h"
 
 namespace fabloop {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// As many digits as it takes to get the same number back; an empty field where it is not known.
-void put(std::ostream& out, const std::optional<double>& value) {
-  out << ',';
-  if (value) out << std::setprecision(std::numeric_limits<double>::max_digits10) << *value;
-}
 
 std::string seed_text(const MethodRows& rows) { return rows.seed ? std::to_string(*rows.seed) : "all"; }
 
@@ -35,38 +29,23 @@ void write_lines(std::ostream& out, const MethodRows& rows, const LabDescription
   for (const StageRow& row : rows.stages) {
     const StageResult& stage = row.result;
     out << quoted(rows.data) << ',' << seed_text(rows) << ',' << rows.num_cells;
-    for (const auto& [name, value] : rows.swept) put(out, value);
+    for (const auto& [name, value] : rows.swept) put_field(out, value);
     out << ',' << quoted(rows.method) << ',' << quoted(rows.label) << ',' << quoted(row.stage) << ',' << stage.score << ','
         << rows.num_queries << ',' << stage.num_true_before << ',' << stage.num_false_before << ',' << stage.num_true << ','
         << stage.num_false << ',' << stage.num_unjudged;
-    for (const StageFigure& named : stage_figures()) {
-      const EstimatedFigure& figure = stage.*named.figure;
-      put(out, figure.value);
-      put(out, figure.interval ? std::optional(figure.interval->low) : std::nullopt);
-      put(out, figure.interval ? std::optional(figure.interval->high) : std::nullopt);
-    }
+    for (const StageFigure& named : stage_figures()) put_figure(out, stage.*named.figure);
     for (const std::size_t k : description.evaluation.recall_at) {
       const auto found =
           std::find_if(stage.recall_at.begin(), stage.recall_at.end(), [&](const RecallAt& at) { return at.k == k; });
-      put(out, found == stage.recall_at.end() ? std::nullopt : std::optional(found->recall));
+      put_field(out, found == stage.recall_at.end() ? std::nullopt : std::optional(found->recall));
     }
-    put(out, rows.odometry_ate_m);
-    put(out, row.ate_m);
+    put_field(out, rows.odometry_ate_m);
+    put_field(out, row.ate_m);
     out << '\n';
   }
 }
 
 Json json_or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
-
-Json figure_json(const EstimatedFigure& figure) {
-  if (!figure.value) return nullptr;
-  Json json = {{"value", *figure.value}};
-  if (figure.interval) {
-    json["low"] = figure.interval->low;
-    json["high"] = figure.interval->high;
-  }
-  return json;
-}
 
 Json stage_json(const MethodRows& rows, const StageRow& row) {
   Json swept = Json::object();
@@ -98,13 +77,6 @@ std::string fixed(double value, int digits) {
   std::ostringstream text;
   text << std::fixed << std::setprecision(digits) << value;
   return text.str();
-}
-
-std::string figure_text(const EstimatedFigure& figure) {
-  if (!figure.value) return "-";
-  std::string text = fixed(*figure.value, 3);
-  if (figure.interval) text += " [" + fixed(figure.interval->low, 2) + ", " + fixed(figure.interval->high, 2) + "]";
-  return text;
 }
 
 /// Precision told as its complement.
@@ -221,8 +193,7 @@ void write_results_csv(const std::filesystem::path& path, const LabResults& resu
   out << "data,seed,cells";
   for (const LabSweep& sweep : description.sweep) out << ',' << sweep.parameter->name;
   out << ",method,label,stage,score,queries,true_before,false_before,true,false,unjudged";
-  for (const StageFigure& named : stage_figures())
-    out << ',' << named.name << ',' << named.name << "_low," << named.name << "_high";
+  for (const StageFigure& named : stage_figures()) put_figure_names(out, named);
   for (const std::size_t k : description.evaluation.recall_at) out << ",recall_at_" << k;
   out << ",odometry_ate_m,ate_m\n";
   for (const MethodRows& rows : results.cells) write_lines(out, rows, description);

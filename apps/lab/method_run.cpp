@@ -29,18 +29,21 @@ double probability_of(double log_odds) { return 1.0 / (1.0 + std::exp(-log_odds)
 /// What the method proposes, by query.
 class Proposals {
  public:
-  Proposals(const LabMethod& method, const ScoreTable& scores, std::size_t top)
-      : claims_probability_(method.method && is_probabilistic(*method.method)), queries_(scored_queries(scores, top)) {
+  Proposals(const LabMethod& method, const ScoreTable& scores, std::size_t num_earlier_places, std::size_t top)
+      : claims_probability_(method.method && is_probabilistic(*method.method)),
+        num_earlier_places_(num_earlier_places),
+        queries_(best_of_both_flights(scores, num_earlier_places, top)) {
     for (const ScoredQuery& query : queries_) {
       for (const ScoredMatch& match : query.matches) score_of_[{query.frame, scores.place_frames[match.place]}] = match.score;
     }
   }
 
-  /// For the loop closer. A score that is no probability says nothing for or against the place.
+  /// For the loop closer, of the keyframe at that position of its map. A score that is no probability says nothing for or against
+  /// the place.
   std::vector<Hypothesis> of(std::size_t position) const {
     constexpr double kUnknown = 0.5;
     std::vector<Hypothesis> hypotheses;
-    for (const ScoredMatch& match : queries_.at(position).matches) {
+    for (const ScoredMatch& match : queries_.at(position - num_earlier_places_).matches) {
       hypotheses.push_back(
           {static_cast<PlaceId>(match.place), claims_probability_ ? probability_of(match.score) : kUnknown, match.score});
     }
@@ -56,6 +59,7 @@ class Proposals {
 
  private:
   bool claims_probability_;
+  std::size_t num_earlier_places_;
   std::vector<ScoredQuery> queries_;
   std::map<FramePair, double> score_of_;
 };
@@ -73,9 +77,15 @@ MapperOptions mapper_options(const LabCell& cell, int num_threads) {
 Map map_with(const Proposals& proposals, const CellData& data, MapperOptions options) {
   options.loops.propose = [&](std::size_t current) { return proposals.of(current); };
   options.max_loop_surprise = 1.0;
-  Mapper mapper(data.sequence.camera, data.model, options);
+  Mapper mapper(data.sequence.camera, data.model, options, data.earlier_map);
   for (const DescribedFrame& frame : data.frames) mapper.process(data.sequence.frames[frame.frame], frame);
   return mapper.finish();
+}
+
+/// Whether two frames show one place, numbered as EarlierFlight says.
+MatchTruth truth_of(const CellData& data, std::size_t query, std::size_t match) {
+  const std::size_t num_earlier = data.earlier.num_frames();
+  return match < num_earlier ? MatchTruth::False : data.places.at(query - num_earlier, match - num_earlier);
 }
 
 /// The proposals alone, none of them looked at.
@@ -85,34 +95,55 @@ void add_unverified(const Proposals& proposals, const ScoreTable& scores, const 
       JudgedHypothesis hypothesis;
       hypothesis.query = query.frame;
       hypothesis.match = scores.place_frames[match.place];
-      hypothesis.place = hypothesis.closure = data.places.at(hypothesis.query, hypothesis.match);
+      hypothesis.place = hypothesis.closure = truth_of(data, hypothesis.query, hypothesis.match);
       run.hypotheses.push_back(hypothesis);
     }
   }
+}
+
+LedgerTable without_pairs_across(const LedgerTable& ledger) {
+  LedgerTable within = ledger;
+  std::erase_if(within.rows, [&](const LedgerRow& row) { return leads_into_earlier_map(ledger, row); });
+  return within;
+}
+
+/// The ledger of a map, judged.
+JudgedRun judge_map(const Map& map, const CellData& data, const LoopEvaluationOptions& evaluation,
+                    const std::filesystem::path& scratch) {
+  const std::filesystem::path file = scratch / "loops.csv";
+  write_loops_csv(file, map);
+  const LedgerTable ledger = read_ledger(file, LedgerRows::All);
+  std::filesystem::remove(file);
+  JudgedRun run = judge_run(without_pairs_across(ledger), data.places, data.loops, evaluation);
+  // No back end has spoken yet.
+  for (JudgedHypothesis& hypothesis : run.hypotheses)
+    hypothesis.num_stages_passed = std::min(hypothesis.num_stages_passed, kBeforeBackEnd);
+  return data.earlier.num_frames() > 0 ? with_pairs_across(std::move(run), ledger, data.earlier.num_frames()) : run;
 }
 
 }  // namespace
 
 MethodResult run_method(const LabMethod& method, const ScoreTable& scores, const CellData& data, const LabCell& cell,
                         const LabDescription& description, const std::filesystem::path& scratch, int num_threads) {
-  const Proposals proposals(method, scores, static_cast<std::size_t>(cell.settings.top));
+  const Proposals proposals(method, scores, data.earlier.frames.size(), static_cast<std::size_t>(cell.settings.top));
   const LoopEvaluationOptions evaluation = evaluation_of(cell);
   MethodResult result{method.name, scores.label, {}, {}};
   if (!description.verifies()) {
     result.run = judge_run({}, data.places, data.loops, evaluation);
+    if (data.earlier.num_frames() > 0) result.run = with_pairs_across(std::move(result.run), {}, data.earlier.num_frames());
     add_unverified(proposals, scores, data, result.run);
   } else {
     const MapperOptions options = mapper_options(cell, num_threads);
     const Map map = map_with(proposals, data, options);
-    const std::filesystem::path ledger = scratch / "loops.csv";
-    write_loops_csv(ledger, map);
-    result.run = judge_run(read_ledger(ledger), data.places, data.loops, evaluation);
-    std::filesystem::remove(ledger);
-    // No back end has spoken yet.
-    for (JudgedHypothesis& hypothesis : result.run.hypotheses)
-      hypothesis.num_stages_passed = std::min(hypothesis.num_stages_passed, kBeforeBackEnd);
+    result.run = judge_map(map, data, evaluation, scratch);
     result.back_ends = try_back_ends(description.back_ends,
                                      {map, data.loops, data.reference, data.frame_times_ns, evaluation, options, cell.settings});
+    for (BackEndTrial& trial : result.back_ends) {
+      for (TriedLoop& loop : trial.loops) {
+        loop.query += data.earlier.num_frames();
+        loop.match += data.earlier.num_frames();
+      }
+    }
   }
   result.run.has_consistency = cell.settings.consistency > 0.0;
   for (JudgedHypothesis& hypothesis : result.run.hypotheses) proposals.put_scores(hypothesis);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "apps/lab/back_end_trial.h"
+#include "apps/lab/earlier_flight.h"
 #include "apps/lab/lab_cell.h"
 #include "frontend/baselines/score_table.h"
 #include "frontend/fabmap/ground_truth.h"
@@ -21,7 +22,9 @@ namespace fabloop {
 /// What one method and the stages after it made of a cell.
 struct MethodResult {
   std::string name, label;
-  JudgedRun run;  ///< Up to the consistency stage; whatever passed that has passed 4 stages.
+  /// Up to the consistency stage; whatever passed that has passed 4 stages. Loops to an earlier flight have then passed all 5: no
+  /// back end looks at them.
+  JudgedRun run;
   std::vector<BackEndTrial> back_ends;
 };
 
@@ -29,6 +32,8 @@ struct MethodResult {
 struct CellData {
   Sequence sequence;
   std::vector<DescribedFrame> frames;  ///< Those that can be used; the places of all methods, in this order.
+  EarlierFlight earlier;               ///< Its frames are places before those.
+  KeyframeMap earlier_map;             ///< The same as the loop closer takes them; empty where no pair is verified.
   Model model;
   GroundTruth places;
   LoopTruth loops;
@@ -37,7 +42,8 @@ struct CellData {
 };
 
 /// Judges a method's scores, and, where the description verifies, has geometry, consistency and back ends look at the best ones
-/// of each query. `scratch` is a folder for files in between. Throws InputError as its parts do.
+/// of each query. `scores` has rows for the sequence's frames alone; these and places are numbered as EarlierFlight says.
+/// `scratch` is a folder for files in between. Throws InputError as its parts do.
 MethodResult run_method(const LabMethod& method, const ScoreTable& scores, const CellData& data, const LabCell& cell,
                         const LabDescription& description, const std::filesystem::path& scratch, int num_threads);
 

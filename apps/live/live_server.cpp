@@ -15,6 +15,7 @@
 #include <thread>
 #include <utility>
 
+#include "apps/live/cut_connections.h"
 #include "apps/live/live_json.h"
 #include "apps/live/live_pages.h"
 #include "frontend/error.h"
@@ -23,6 +24,8 @@ namespace fabloop::apps {
 namespace {
 
 constexpr const char* kAddress = "127.0.0.1";
+/// For answers that are under way when the server stops; longer than the waits for silent clients.
+constexpr auto kGrace = std::chrono::seconds(2);
 constexpr int kForbidden = 403, kNotFound = 404, kMethodNotAllowed = 405;
 
 /// Content of a known length, which the library sends as it is: it would compress text for longer than it takes to send it.
@@ -94,6 +97,10 @@ class LiveServer::Implementation {
 
   ~Implementation() {
     server_.stop();
+    // A client that never ends its request would keep the program waiting for as long as it pleases.
+    const auto until = LiveClock::now() + kGrace;
+    while (!has_stopped_ && LiveClock::now() < until) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    if (!has_stopped_) cut_connections(port_);
     thread_.join();
   }
   Implementation(const Implementation&) = delete;

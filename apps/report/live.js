@@ -3,13 +3,16 @@
 
 const live = {since: 0, world: null, failures: 0, timer: null, stage: '', page: Math.random().toString(36).slice(2)};
 
+/** Of a run without a map the page has the stages alone. */
+const isProgressAlone = report.live && report.live.shows === 'progress';
+
 const reportPath = report.live ? `${report.live.folder.replace(/\/$/, '')}/report.html` : '';
 
 /** What the stages are to people, where their names do not say it. */
 const stageNames = {
   features: 'Finding features', 'k-means': 'Learning visual words', mapping: 'Mapping', pairs: 'Comparing pairs of images', placing: 'Placing images',
   adjust: 'Adjusting everything', camera: 'Checking the camera', georeference: 'Fitting known positions', result: 'Gathering the result',
-  'without loops': 'The same without loops, to compare with', report: 'Making the report',
+  'without loops': 'The same without loops, to compare with', report: 'Making the report', cells: 'Running cells',
 };
 const stageName = (stage) => stageNames[stage.name] || stage.name.charAt(0).toUpperCase() + stage.name.slice(1);
 
@@ -101,6 +104,10 @@ function showStages(news) {
 
 function showCounts(news) {
   const {placed, hypotheses, accepted, held_back: heldBack} = news.counts;
+  if (isProgressAlone) {
+    byId('verdict').textContent = news.state === 'running' ? `Under way for ${duration(news.elapsed_s)}.` : `It took ${duration(news.elapsed_s)}.`;
+    return;
+  }
   const soFar = news.state === 'running' ? ' so far' : '';
   byId('verdict').replaceChildren(...(placed === 0 ? ['The run has begun; its map comes later.']
     : [element('b', {text: `${accepted} ${accepted === 1 ? 'loop' : 'loops'}`}), `${soFar}, over ${placed} ${placed === 1 ? 'image' : 'images'} placed.`]));
@@ -138,6 +145,7 @@ function tellWhereItIsKept() {
 function showEnd(news) {
   document.title = `${news.state === 'ended' ? 'ended' : 'stopped'} · ${summary.sequence}`;
   if (news.state === 'failed') tell('bad', `The run has stopped: ${news.why}`);
+  else if (isProgressAlone) tell('good', 'The run has ended. Its files are in ', code(report.live.folder), '.');
   else if (news.has_report) return becomeReport();
   else tell('good', 'The run has ended, without a report, as it was asked to. Its files are in ', code(report.live.folder), '; ', code(`fabloop report ${report.live.folder}`), ' makes one.');
   return null;
@@ -157,7 +165,8 @@ async function ask() {
   const news = await latestNews();
   if (news && news.run !== report.live.run) return location.reload();  // another run on the same port
   if (!news && ++live.failures === 3) {
-    tell('wary', 'The run no longer answers: it has ended or was stopped. If it has ended, its report is ', code(reportPath), '. What follows is what was last seen of it.');
+    const result = isProgressAlone ? ['its files are in ', code(report.live.folder)] : ['its report is ', code(reportPath)];
+    tell('wary', 'The run no longer answers: it has ended or was stopped. If it has ended, ', ...result, '. What follows is what was last seen of it.');
     byId('live-pace').textContent = '';
   }
   if (news) {
@@ -180,7 +189,11 @@ function setUpLive() {
   for (const id of ['loops', 'recognition', 'stages', 'cost', 'details']) byId(id).hidden = true;
   for (const part of document.querySelectorAll('nav, .skip')) part.hidden = true;
   document.querySelector('footer').textContent = 'Served by the run itself, to this machine alone, for as long as it goes on; it shows what has been found so far, which later images may still change.';
-  byId('verdict').textContent = 'The run has begun; its map comes later.';
+  byId('verdict').textContent = isProgressAlone ? 'The run has begun.' : 'The run has begun; its map comes later.';
+  if (isProgressAlone) {
+    for (const id of ['map', 'cards']) byId(id).hidden = true;
+    document.querySelector('footer').textContent = 'Served by the run itself, to this machine alone, for as long as it goes on.';
+  }
   byId('map-empty').hidden = false;
   setUpMap();
   setUpTheme();

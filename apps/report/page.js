@@ -57,7 +57,8 @@ function figureCell(figure) {
 
 function stageTable(evaluation) {
   const figures = [['precision', 'precision'], ['query_recall', 'query recall'], ['false_rejection', 'false refused'], ['average_precision', 'average precision'],
-                   ['recall_at_full_precision', 'recall at 100 %'], ['expected_calibration_error', 'ECE'], ['brier_score', 'Brier']];
+                   ['recall_at_full_precision', 'recall at 100 %'], ['expected_calibration_error', 'ECE'], ['brier_score', 'Brier']]
+    .filter(([key]) => evaluation.stages.some((stage) => stage[key]));  // some runs have nothing to sort by
   const ks = Object.keys(evaluation.stages[0].recall_at);
   const head = ['stage', 'true', 'false', 'not judged', ...figures.map(([, title]) => title), ...ks.map((k) => 'recall@' + k)];
   const rows = evaluation.stages.map((stage) => element('tr', {}, element('td', {text: stage.stage}), ...['true', 'false', 'unjudged'].map((key) => element('td', {text: stage.passed[key]})),

@@ -47,6 +47,9 @@ function stageColour(stage) {
 }
 
 function plotPrecisionRecall(stages) {
+  const hasCurve = stages.some((stage) => stage.curve);
+  byId('precision-recall').closest('figure').hidden = !hasCurve;
+  if (!hasCurve) return;
   const plot = axes({low: 0, high: 1, label: 'recall of queries'}, {low: 0, high: 1, label: 'precision'}, 360, 'Precision against recall, a curve a stage');
   for (const stage of stages) {
     if (!stage.curve) continue;

@@ -203,6 +203,7 @@ FABLOOP_AVX2 void centred_avx2(const float* row, const double* mean, std::size_t
 FABLOOP_AVX2 float squared_distance_avx2(const float* a, const float* b, std::size_t dimension) {
   return sum_of_squares(a, b, dimension);
 }
+#undef FABLOOP_AVX2
 #endif
 
 Kernels fastest_kernels() {

@@ -119,6 +119,7 @@ FABLOOP_AVX2 float least_and_lower_avx2(const float* values, std::size_t size, f
   return least_and_lower(values, size, minima);
 }
 FABLOOP_AVX2 std::size_t find_avx2(const float* values, std::size_t size, float value) { return find(values, size, value); }
+#undef FABLOOP_AVX2
 #endif
 
 MinimaKernels fastest_minima_kernels() {

@@ -35,14 +35,14 @@ std::string figures(const PrecisionRecall& result) {
   return text.str();
 }
 
-void draw_curve(cv::Mat& canvas, const PrecisionRecallCurve& curve, const cv::Scalar& colour, const plot::Axis& recall,
+void draw_curve(cv::Mat& canvas, const PrecisionRecallCurve& curve, const plot::LineStyle& style, const plot::Axis& recall,
                 const plot::Axis& precision) {
   std::vector<cv::Point2d> path;
   for (const PrecisionRecallPoint& point : curve.points) {
     if (path.empty()) path.emplace_back(recall.pixel(0.0), precision.pixel(point.precision));
     path.emplace_back(recall.pixel(point.recall), precision.pixel(point.precision));
   }
-  draw::polyline(canvas, path, colour, 2);
+  plot::draw_series(canvas, path, style);
 }
 
 /// Title, lines of text above the plot, grid and axes, and the recipe below.
@@ -87,7 +87,7 @@ cv::Mat draw_precision_recall(const std::string& title, const PrecisionRecall& r
   for (std::size_t i = 0; i < lines.size(); ++i)
     plot::write(canvas.picture, lines[i], {kLeft, kFirstLine + kLine * static_cast<int>(i)});
   if (!result.curve) return canvas.picture;
-  draw_curve(canvas.picture, *result.curve, plot::series_colour(0), canvas.recall, canvas.precision);
+  draw_curve(canvas.picture, *result.curve, plot::series_style(0), canvas.recall, canvas.precision);
   if (result.curve->full_precision_threshold) {
     constexpr double kRadiusPx = 5;
     draw::disc(canvas.picture, {canvas.recall.pixel(result.curve->recall_at_full_precision), canvas.precision.pixel(1.0)},
@@ -99,10 +99,10 @@ cv::Mat draw_precision_recall(const std::string& title, const PrecisionRecall& r
 cv::Mat draw_precision_recall(const std::string& title, const std::vector<NamedCurve>& curves, const std::string& recipe) {
   Canvas canvas = make_canvas(title, static_cast<int>(curves.size()), recipe);
   for (std::size_t i = 0; i < curves.size(); ++i) {
-    const cv::Scalar colour = plot::series_colour(i);
+    const plot::LineStyle style = plot::series_style(i);
     const int y = kFirstLine + kLine * static_cast<int>(i);
-    plot::write_legend(canvas.picture, legend_of(curves[i]), {kLeft, y}, colour);
-    if (curves[i].curve) draw_curve(canvas.picture, *curves[i].curve, colour, canvas.recall, canvas.precision);
+    plot::write_legend(canvas.picture, legend_of(curves[i]), {kLeft, y}, style);
+    if (curves[i].curve) draw_curve(canvas.picture, *curves[i].curve, style, canvas.recall, canvas.precision);
   }
   return canvas.picture;
 }

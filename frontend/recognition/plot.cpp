@@ -17,7 +17,7 @@ namespace plot {
 namespace {
 
 constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
-constexpr int kTickLength = 5;
+constexpr int kTickLength = 5, kLineThickness = 2;
 
 int text_thickness(double size) { return size < 0.9 ? 1 : 2; }
 
@@ -105,16 +105,28 @@ void draw_axes(cv::Mat& picture, const Axis& x, const Axis& y) {
   write_upwards(picture, y.label, {left - kTickLength - widest - 20, (top + bottom) / 2});
 }
 
-cv::Scalar series_colour(std::size_t i) {
-  static const std::array<cv::Scalar, kNumColours> kColours = {
-      cv::Scalar(200, 90, 20), cv::Scalar(0, 94, 213),   cv::Scalar(115, 158, 0), cv::Scalar(167, 121, 204),
-      cv::Scalar(0, 159, 230), cv::Scalar(233, 180, 86), cv::Scalar(40, 40, 40)};
-  return kColours[i % kNumColours];
+LineStyle series_style(std::size_t i) {
+  static const std::array<cv::Scalar, 7> kColours = {cv::Scalar(200, 90, 20),   cv::Scalar(0, 94, 213),  cv::Scalar(115, 158, 0),
+                                                     cv::Scalar(167, 121, 204), cv::Scalar(0, 159, 230), cv::Scalar(233, 180, 86),
+                                                     cv::Scalar(40, 40, 40)};
+  static const std::array<std::vector<double>, 3> kDashes = {std::vector<double>{}, {10.0, 7.0}, {2.0, 6.0}};
+  static_assert(kColours.size() * kDashes.size() == kNumStyles);
+  return {kColours[i % kColours.size()], kDashes[i / kColours.size() % kDashes.size()]};
 }
 
-void write_legend(cv::Mat& picture, const std::string& text, const cv::Point& at, const cv::Scalar& colour) {
-  constexpr int kSample = 28, kGap = 10, kHalfText = 5;
-  cv::line(picture, {at.x, at.y - kHalfText}, {at.x + kSample, at.y - kHalfText}, colour, 2, cv::LINE_AA);
+void draw_series(cv::Mat& picture, const std::vector<cv::Point2d>& path, const LineStyle& style) {
+  draw::dashed_polyline(picture, path, style.dashes_px, style.colour, kLineThickness);
+}
+
+void draw_mark(cv::Mat& picture, const cv::Point2d& at, const LineStyle& style) {
+  constexpr double kRadiusPx = 4;
+  draw::disc(picture, at, kRadiusPx, style.dashes_px.empty() ? style.colour : kPaper);
+  draw::circle(picture, at, kRadiusPx, style.colour, kLineThickness);
+}
+
+void write_legend(cv::Mat& picture, const std::string& text, const cv::Point& at, const LineStyle& style) {
+  constexpr int kSample = 34, kGap = 10, kHalfText = 5;
+  draw_series(picture, {cv::Point(at.x, at.y - kHalfText), cv::Point(at.x + kSample, at.y - kHalfText)}, style);
   write(picture, text, {at.x + kSample + kGap, at.y});
 }
 

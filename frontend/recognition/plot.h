@@ -51,13 +51,25 @@ void draw_scale_bar(cv::Mat& picture, const cv::Point2d& right_end, double px_pe
 /// Frame, ticks and labels: x below the frame, y on its left.
 void draw_axes(cv::Mat& picture, const Axis& x, const Axis& y);
 
-/// The colour of the i-th line of a plot: blue, then those that people who see no red or green tell apart (Okabe & Ito 2008);
-/// they repeat after kNumColours.
-inline constexpr std::size_t kNumColours = 7;
-cv::Scalar series_colour(std::size_t i);
+/// How a line of a plot is told from the others.
+struct LineStyle {
+  cv::Scalar colour;
+  std::vector<double> dashes_px;  ///< See draw::dashed_polyline().
+};
 
-/// A short line of the colour, and what it stands for.
-void write_legend(cv::Mat& picture, const std::string& text, const cv::Point& at, const cv::Scalar& colour);
+/// Seven colours that people who see no red or green tell apart (blue first, then Okabe & Ito 2008), first as solid lines, then
+/// dashed, then dotted; they repeat after kNumStyles.
+inline constexpr std::size_t kNumStyles = 21;
+LineStyle series_style(std::size_t i);
+
+/// A line through points (pixels).
+void draw_series(cv::Mat& picture, const std::vector<cv::Point2d>& path, const LineStyle& style);
+
+/// A mark at a point: a disc on solid lines, a ring on broken ones.
+void draw_mark(cv::Mat& picture, const cv::Point2d& at, const LineStyle& style);
+
+/// A short line of the style, and what it stands for.
+void write_legend(cv::Mat& picture, const std::string& text, const cv::Point& at, const LineStyle& style);
 
 /// Lines of at most `max_width` pixels.
 std::vector<std::string> wrapped(const std::string& text, int max_width, double size = kLabelSize);

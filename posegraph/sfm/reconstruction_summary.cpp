@@ -6,6 +6,7 @@
 
 #include "frontend/features/feature_settings.h"
 #include "frontend/output_file.h"
+#include "frontend/sequence/sequence_trajectories.h"
 #include "frontend/stage_times.h"
 #include "posegraph/sfm/reconstruction_folder.h"
 #include "posegraph/sfm/reconstruction_graph.h"
@@ -83,13 +84,9 @@ Json parameters_json(const ReconstructOptions& options) {
 }
 
 Json error_json(const Sequence& sequence, const Reconstruction& map) {
-  Trajectory reference;
-  for (const Frame& frame : sequence.frames) {
-    if (frame.world_from_camera) reference.push_back({frame.time_ns, *frame.world_from_camera});
-  }
   TrajectoryErrorOptions options;
   options.alignment = map.unit == LengthUnit::Metres ? Alignment::Se3 : Alignment::Sim3;
-  const auto error = absolute_trajectory_error(trajectory_of(map), reference, options);
+  const auto error = absolute_trajectory_error(trajectory_of(map), reference_trajectory(sequence), options);
   Json json = {{"alignment", options.alignment == Alignment::Sim3 ? "Sim(3), frames matched by time within 0.01 s"
                                                                   : "SE(3), frames matched by time within 0.01 s"},
                {"odometry", nullptr},

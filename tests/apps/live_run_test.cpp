@@ -69,6 +69,24 @@ ProgramResult run_watched(const std::vector<std::string>& command, SeenPage& see
   return run_fabloop(command, limits);
 }
 
+TEST_F(LiveRun, AnExperimentShowsHowManyOfItsCellsAreDone) {
+  const fs::path description =
+      scratch_.write("small.yaml", "title: Small\ndata: {sequences: [{folder: " + tiny_sequence().filename().string() +
+                                       "}]}\nmethods: [seqslam]\nstages: [appearance]\nfeatures: {max_features: 100}\n");
+  SeenPage seen;
+  const ProgramResult result = run_watched({"lab", description.string(), "--out", run_.string(), "--data",
+                                            tiny_sequence().parent_path().string(), "--quiet", "--live"},
+                                           seen);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(data_of(seen.page).at("live").at("shows"), "progress");
+  EXPECT_EQ(seen.states.count("running"), 1u);
+  ASSERT_EQ(seen.last.at("state"), "ended");
+  EXPECT_EQ(seen.last.at("stages").back().at("name"), "cells");
+  EXPECT_EQ(seen.last.at("stages").back().at("done"), 1);
+  EXPECT_FALSE(seen.last.at("has_report").get<bool>());
+  EXPECT_TRUE(fs::exists(run_ / "table.md"));
+}
+
 TEST_F(LiveRun, IsServedUntilItsReportIsThereAndHasTheBytesOfOneThatIsNot) {
   const fs::path alone = scratch_.path() / "alone";
   ASSERT_EQ(run_fabloop(map_command(tiny_sequence(), alone, {"--max-features", "200"})).exit_code, 0);

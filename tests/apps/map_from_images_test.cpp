@@ -60,6 +60,15 @@ TEST_F(MapFromImages, HasAReportInTheReferencesUnitAndSaysWhatLoopsAreWorth) {
   const auto ate = [&](const char* name) { return figures.at("trajectories").at(name).at("ate_m").at("rmse").get<double>(); };
   EXPECT_DOUBLE_EQ(figures.at("error_left").get<double>(), ate("trajectory.tum") / ate("trajectory_odometry.tum"));
   EXPECT_TRUE(figures.at("without_stages").empty());
+  for (const auto* stages : {&figures.at("stages").at("stages"), &data.at("truth").at("evaluation").at("stages")}) {
+    ASSERT_FALSE(stages->empty());
+    for (const auto& stage : *stages) {
+      EXPECT_TRUE(stage.at("calibration").is_null()) << "no probability is claimed of any pair";
+      EXPECT_TRUE(stage.at("expected_calibration_error").is_null());
+      EXPECT_TRUE(stage.at("curve").is_null());
+      EXPECT_FALSE(stage.at("precision").is_null());
+    }
+  }
 }
 
 }  // namespace

@@ -73,6 +73,34 @@ TEST(Explain, TellsThePairAndDrawsIt) {
   expect_refused(run_fabloop({"explain", flight.run().string(), "100000", "0"}), "frames.csv");
 }
 
+TEST(Explain, DrawsWhatARunMatchedByWordsWithItsModelAlone) {
+  const test::ScratchFolder scratch;
+  const std::string model = (scratch.path() / "tiny.model").string(), run = (scratch.path() / "run").string();
+  const ProgramResult trained =
+      run_fabloop({"train", tiny_sequence().string(), "--out", model, "--max-features", "300", "--quiet"});
+  ASSERT_EQ(trained.exit_code, 0) << trained.err;
+  const ProgramResult mapped = run_fabloop(map_command(tiny_sequence(), run, {"--model", model, "--match-by", "words"}));
+  ASSERT_EQ(mapped.exit_code, 0) << mapped.err;
+  const auto ledger = data_of(bytes_of(fs::path(run) / "report.html")).at("ledger");
+  const auto picture = [&](const std::vector<std::string>& more) {
+    const std::string path = (scratch.path() / "pair.png").string();
+    std::vector<std::string> command = {"explain",
+                                        run,
+                                        std::to_string(ledger.at("query").at(0).get<int>()),
+                                        std::to_string(ledger.at("match").at(0).get<int>()),
+                                        "--sequence",
+                                        tiny_sequence().string(),
+                                        "--picture",
+                                        path};
+    command.insert(command.end(), more.begin(), more.end());
+    const ProgramResult result = run_fabloop(command);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return bytes_of(path);
+  };
+  const std::string without = picture({}), with = picture({"--model", model});
+  EXPECT_NE(with, without) << "the other matches are drawn";
+}
+
 TEST(ReportInABrowser, EveryControlWorks) {
   const MappedFlight flight;
   const std::string command =

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <cstring>
 #include <stdexcept>
@@ -70,6 +71,22 @@ ListeningSocket::~ListeningSocket() { close(socket_); }
 SilentConnection::SilentConnection(int port) : socket_(connected_to(address_of(port))) {}
 
 SilentConnection::~SilentConnection() {
+  if (socket_ >= 0) close(socket_);
+}
+
+TalkativeConnection::TalkativeConnection(int port) : socket_(connected_to(address_of(port))) {
+  thread_ = std::thread([this] {
+    std::string line = "GET / HTTP/1.1\r\n";
+    while (!is_over_ && send(socket_, line.data(), line.size(), MSG_NOSIGNAL) >= 0) {
+      line = "X: and then\r\n";
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  });
+}
+
+TalkativeConnection::~TalkativeConnection() {
+  is_over_ = true;
+  thread_.join();
   if (socket_ >= 0) close(socket_);
 }
 

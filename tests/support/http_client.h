@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
 #include <string>
+#include <thread>
 
 namespace fabloop::testing_support {
 
@@ -40,6 +42,20 @@ class SilentConnection {
 
  private:
   int socket_ = -1;
+};
+
+/// A connection to 127.0.0.1 that goes on sending lines of a request that never ends, for as long as it lives.
+class TalkativeConnection {
+ public:
+  explicit TalkativeConnection(int port);
+  ~TalkativeConnection();
+  TalkativeConnection(const TalkativeConnection&) = delete;
+  TalkativeConnection& operator=(const TalkativeConnection&) = delete;
+
+ private:
+  int socket_ = -1;
+  std::atomic<bool> is_over_ = false;
+  std::thread thread_;
 };
 
 /// Whether an address of this machine other than 127.0.0.1 accepts connections on the port. 127.0.0.2 stands for all: a server

@@ -63,6 +63,29 @@ TEST(LabCell, ItsChecksumChangesWithAllThatItsResultDependsOn) {
   EXPECT_EQ(cell_checksum(cells[0], changed), cell_checksum(cells[0], lab));
 }
 
+TEST(LabCell, AnEarlierFlightIsAnotherOneAndHasAPartInTheResult) {
+  const test::ScratchFolder folder;
+  for (const char* name : {"park", "field"}) std::filesystem::create_directory(folder.path() / name);
+  folder.write("field/frames.csv", "a,1\n");
+  LabDescription lab = two_sweeps();
+  lab.synthetic.reset();
+  lab.sweep.clear();
+  lab.seeds = {1};
+  lab.sequences = {{"park", 60.0, ""}, {"park", 60.0, "field/"}};
+  const std::vector<LabCell> cells = cells_of(lab, folder.path());
+  ASSERT_EQ(cells.size(), 2u);
+  EXPECT_EQ(cells[0].group(), "park");
+  EXPECT_EQ(cells[1].group(), "park after field");
+  const std::string before = cell_checksum(cells[1], lab), alone = cell_checksum(cells[0], lab);
+  folder.write("field/frames.csv", "a,2\n");
+  EXPECT_NE(cell_checksum(cells[1], lab), before);
+  EXPECT_EQ(cell_checksum(cells[0], lab), alone);
+  lab.sequences = {{"park", 60.0, "park"}};
+  EXPECT_THAT(test::message_of<InputError>([&] { cells_of(lab, folder.path()); }), HasSubstr("cannot come after itself"));
+  lab.sequences = {{"park", 60.0, "lake"}};
+  EXPECT_THAT(test::message_of<InputError>([&] { cells_of(lab, folder.path()); }), HasSubstr("there is no such sequence"));
+}
+
 TEST(LabCell, FilesOfSequencesAndScoresAreAmongThat) {
   const test::ScratchFolder folder;
   std::filesystem::create_directory(folder.path() / "flight");

@@ -129,7 +129,8 @@ TEST(LabDescription, WhatDoesNotFitTogetherIsRefused) {
 }
 
 TEST(LabDescription, AFileOfScoresIsOfOneSequenceOfImages) {
-  EXPECT_THAT(error_of(with("-{aliasing}", "")), HasSubstr("lab.yaml:9: the scores of 'mine' are of other images where 'aliasing'"));
+  EXPECT_THAT(error_of(with("-{aliasing}", "")),
+              HasSubstr("lab.yaml:9: the scores of 'mine' are of other images where 'aliasing'"));
   EXPECT_THAT(error_of(with("-{blurred_frames}", "")), HasSubstr("with {blurred_frames} in the path"));
   EXPECT_THAT(error_of(with("{seed}-", "")), HasSubstr("with {seed} in the path"));
   const std::string flights = "data: {sequences: [{folder: a}, {folder: b}]}\nstages: [appearance]\n";
@@ -138,6 +139,9 @@ TEST(LabDescription, AFileOfScoresIsOfOneSequenceOfImages) {
   const std::string dropped = flights + "set: {dropped_frames: 0.2}\n";
   EXPECT_THAT(error_of(dropped + "methods: [{name: mine, scores: \"{data}.csv\"}]\n"),
               HasSubstr("lab.yaml:4: the scores of 'mine' are of other images where 'dropped_frames'"));
+  EXPECT_THAT(
+      error_of("data: {sequences: [{folder: a, earlier: b}]}\nstages: [appearance]\nmethods: [{name: mine, scores: mine.csv}]\n"),
+      HasSubstr("lab.yaml:3: the scores of 'mine' are of one sequence"));
   // What is done with the scores leaves the images alone.
   EXPECT_EQ(read(flights + "sweep: {top: [5, 10]}\nmethods: [{name: mine, scores: \"{data}.csv\"}]\n").methods.size(), 1u);
 }

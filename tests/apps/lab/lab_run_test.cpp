@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "frontend/error.h"
+#include "frontend/folder_lock.h"
 #include "posegraph/map_sequence.h"
 #include "tests/posegraph/scratch_folder.h"
 #include "tests/support/tiny_sequence.h"
@@ -117,6 +118,30 @@ TEST_F(LabRun, AFolderOfSomethingElseIsLeftAlone) {
   EXPECT_EQ(files_of("thesis").size(), 1u);
 }
 
+TEST_F(LabRun, AFolderInWhichAnotherRunIsAtWorkIsLeftAlone) {
+  fs::create_directories(folder_.path() / "busy" / "cells");
+  const FolderLock other(folder_.path() / "busy");
+  EXPECT_THAT(test::message_of<InputError>([&] { run(describe(kBaselines), "busy"); }),
+              HasSubstr("busy: another run is at work in this folder"));
+  EXPECT_TRUE(files_of("busy").empty());
+}
+
+TEST_F(LabRun, AFreshRunMakesAllCellsAnew) {
+  const LabDescription lab = describe("methods: [seqslam]\nstages: [appearance]\n");
+  run(lab, "out");
+  const auto before = files_of("out");
+  folder_.write("out/cells/0123456789abcdef.json", "of another description");
+  folder_.write("out/mine.txt", "of the user's own");
+  const LabRunReport report = run_lab(
+      lab, folder_.path() / "out",
+      {.data_root = testing_support::tiny_sequence().parent_path(), .num_jobs = 1, .if_found = WorkState::IfFound::Discard});
+  EXPECT_EQ(report.num_there, 0u);
+  EXPECT_EQ(report.num_stale, 0u);
+  auto after = files_of("out");
+  EXPECT_EQ(after.erase("mine.txt"), 1u);
+  EXPECT_EQ(after, before);
+}
+
 TEST_F(LabRun, TheScoresOfAFileAreJudgedAsTheMethodThatMadeThem) {
   run(describe("methods: [tf-idf]\nstages: [appearance]\nset: {top: 1000}\n"), "built-in");
   // Its scores, from the cell's file, as any other method would give them.
@@ -177,6 +202,35 @@ back_ends: [map, none, gnc-truncated]
   EXPECT_GE(rows[3].at("passed").at("false").get<std::size_t>(), num_loops - 2) << "a false loop that is right by accident";
   EXPECT_LT(rows[4].at("passed").at("false"), rows[3].at("passed").at("false"));
   EXPECT_TRUE(rows[4].at("ate_m").is_number());
+}
+
+TEST_F(LabRun, PairsAcrossAreFalseAtEveryStageAndNoBackEndSeesThem) {
+  // The earlier flight shows the same place, so that its pairs pass geometry: called false, they must be counted at each stage.
+  fs::copy(testing_support::tiny_sequence(), folder_.path() / "earlier", fs::copy_options::recursive);
+  const fs::path file = folder_.write("across.yaml", "data: {sequences: [{folder: " + testing_support::tiny_sequence().string() +
+                                                         ", height_m: 20, earlier: earlier}]}\n" + R"(
+set: {top: 3}
+features: {max_features: 200}
+bootstrap: {resamples: 0}
+methods: [fabmap, tf-idf]
+stages: [appearance, geometry, back end]
+back_ends: [map]
+)");
+  run_lab(read_lab_description(file), folder_.path() / "out", {.num_jobs = 1});
+  const nlohmann::json rows = rows_of("out");
+  const auto passed = [&](std::size_t row, const char* what) { return rows.at(row).at("passed").at(what).get<std::size_t>(); };
+  const std::size_t num_frames = read_sequence(testing_support::tiny_sequence()).frames.size();
+  for (const std::size_t method : {0u, 3u}) {
+    EXPECT_EQ(rows[method].at("stage"), "appearance");
+    EXPECT_EQ(rows[method].at("queries"), num_frames);
+    // As many places of the earlier flight as were asked for, at each frame.
+    EXPECT_GE(passed(method, "false"), 3 * num_frames);
+    EXPECT_GT(passed(method, "true"), 0u);
+    EXPECT_GT(passed(method + 1, "false"), num_frames) << "geometry proves that the place is the same";
+    EXPECT_EQ(passed(method + 2, "false"), passed(method + 1, "false"));
+    EXPECT_GT(passed(method + 2, "true"), 0u);
+  }
+  EXPECT_THAT(rows[0].at("recipe").get<std::string>(), HasSubstr("frames of the earlier flight are false"));
 }
 
 TEST_F(LabRun, ASyntheticWorldIsMadeAndItsTroublesAreMet) {

@@ -125,6 +125,16 @@ TEST(LiveServer, StopsSoonWhateverItsClientsDo) {
   EXPECT_LT(LiveClock::now() - start, kSeconds(3.0));
 }
 
+TEST(LiveServer, StopsSoonAlthoughAClientGoesOnSending) {
+  const LiveFeed feed;
+  auto server = std::make_unique<LiveServer>(feed, "");
+  const testing_support::TalkativeConnection a(server->port()), b(server->port());
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  const auto start = LiveClock::now();
+  server.reset();
+  EXPECT_LT(LiveClock::now() - start, kSeconds(5.0));
+}
+
 TEST(LiveServer, ComesAndGoesManyTimes) {
   const LiveFeed feed;
   for (int i = 0; i < 20; ++i) {
