@@ -11,6 +11,7 @@
 #include <opengv/relative_pose/methods.hpp>
 
 #include "verification/epipolar_cost.h"
+#include "verification/epipolar_equations.h"
 #include "verification/five_point.h"
 #include "verification/inlier_noise.h"
 #include "verification/levenberg_marquardt.h"
@@ -32,34 +33,45 @@ Eigen::Matrix<double, 3, 2> tangent_basis(const Eigen::Vector3d& direction) {
   return basis;
 }
 
-/// Whether rays meet in front of both cameras. Parallel ones, whose point is as good as infinitely far, do.
-bool in_front_of_both(const RayPair& pair, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& direction,
-                      double min_parallax_rad) {
-  const RayDepths depths = ray_depths(rotation * pair.query, pair.match, direction);
-  return depths.squared_sine < min_parallax_rad * min_parallax_rad || (depths.query > 0 && depths.match > 0);
+EpipolarFrame frame_of(const Pose& match_from_query) {
+  using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  EpipolarFrame frame;
+  Eigen::Map<RowMajor>(frame.rotation.data()) = match_from_query.rotation.toRotationMatrix();
+  Eigen::Map<Eigen::Vector3d>(frame.translation.data()) = match_from_query.translation;
+  Eigen::Map<RowMajor>(frame.essential.data()) = essential_matrix(match_from_query);
+  Eigen::Map<Eigen::Matrix<double, 3, 2>>(frame.basis.data()) = tangent_basis(match_from_query.translation);
+  return frame;
 }
 
-/// Epipolar residuals with respect to (rotation in the query frame, direction's tangent plane), radians.
-/// Each pair counts as much as `weights` says: all alike where there are none.
-NormalEquations<5> linearise(std::span<const RayPair> pairs, std::span<const std::size_t> indices, const Pose& match_from_query,
-                             std::span<const double> weights = {}) {
-  const Eigen::Matrix<double, 3, 2> basis = tangent_basis(match_from_query.translation);
-  const Eigen::Matrix3d essential = essential_matrix(match_from_query);
-  const Eigen::Matrix3d rotation = match_from_query.rotation.toRotationMatrix();
-  NormalEquations<5> normal;
-  for (const std::size_t i : indices) {
-    const RayPair& pair = pairs[i];
-    const EpipolarResidual residual = epipolar_residual(pair.query, pair.match, essential);
-    const EpipolarJacobian derivative =
-        epipolar_jacobian(residual, pair.query, pair.match, essential, rotation, match_from_query.translation);
-    Vector5d jacobian;
-    jacobian << derivative.by_rotation, basis.transpose() * derivative.by_translation;
-    const double value = residual.angle();
-    const double weight = weights.empty() ? 1.0 : weights[i];
-    normal.hessian.noalias() += (weight * jacobian) * jacobian.transpose();
-    normal.gradient.noalias() += weight * value * jacobian;
-    normal.cost += weight * value * value;
+EpipolarEquations equations_of(std::span<const RayPair> pairs) {
+  EpipolarEquations equations(pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) equations.set(i, pairs[i].query.data(), pairs[i].match.data());
+  return equations;
+}
+
+/// Of some of the pairs. Each counts as much as `weights` says: all alike where there are none.
+EpipolarEquations equations_of(std::span<const RayPair> pairs, std::span<const std::size_t> indices,
+                               std::span<const double> weights) {
+  EpipolarEquations equations(indices.size());
+  for (std::size_t k = 0; k < indices.size(); ++k) {
+    const RayPair& pair = pairs[indices[k]];
+    equations.set(k, pair.query.data(), pair.match.data(), weights.empty() ? 1.0 : weights[indices[k]]);
   }
+  return equations;
+}
+
+/// With respect to (rotation in the query frame, direction's tangent plane), radians.
+NormalEquations<5> linearise(const EpipolarEquations& equations, const Pose& match_from_query) {
+  const EpipolarSums sums = equations.linearise(frame_of(match_from_query));
+  NormalEquations<5> normal;
+  std::size_t next = 0;
+  for (Eigen::Index row = 0; row < 5; ++row) {
+    for (Eigen::Index column = 0; column <= row; ++column) {
+      normal.hessian(row, column) = normal.hessian(column, row) = sums.hessian[next++];
+    }
+  }
+  normal.gradient = Eigen::Map<const Vector5d>(sums.gradient.data());
+  normal.cost = sums.cost;
   return normal;
 }
 
@@ -72,9 +84,9 @@ Pose moved_across_directions(const Pose& match_from_query, const Vector5d& step)
 /// Minimises the Sampson distances of the given pairs.
 Pose minimise(std::span<const RayPair> pairs, std::span<const std::size_t> indices, const Pose& match_from_query, int max_steps,
               std::span<const double> weights = {}) {
+  const EpipolarEquations equations = equations_of(pairs, indices, weights);
   return levenberg_marquardt<5>(
-      match_from_query, [&](const Pose& pose) { return linearise(pairs, indices, pose, weights); }, moved_across_directions,
-      max_steps);
+      match_from_query, [&](const Pose& pose) { return linearise(equations, pose); }, moved_across_directions, max_steps);
 }
 
 /// The four poses of an essential matrix (Hartley & Zisserman 2004, result 9.19).
@@ -103,7 +115,7 @@ class RelativePoseProblem {
   using Samples = std::array<std::array<std::size_t, kSampleSize>, kBatchSize>;
 
   RelativePoseProblem(std::span<const RayPair> pairs, const RelativePoseOptions& options)
-      : pairs_(pairs), options_(options), data_(pairs.size()) {
+      : pairs_(pairs), options_(options), data_(pairs.size()), equations_(equations_of(pairs)) {
     for (std::size_t i = 0; i < pairs.size(); ++i) data_.set(i, pairs[i].query.data(), pairs[i].match.data());
   }
 
@@ -118,39 +130,35 @@ class RelativePoseProblem {
   /// None when fewer inliers than a sample lie in front of both cameras.
   std::optional<Pose> model_of(const Essential& essential) const {
     const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> matrix(essential.data());
-    std::vector<std::size_t> inliers;
-    for (std::size_t i = 0; i < pairs_.size(); ++i) {
-      if (std::abs(epipolar_residual(pairs_[i].query, pairs_[i].match, matrix).angle()) < options_.max_error_rad)
-        inliers.push_back(i);
-    }
-    return most_in_front(poses_of(matrix), inliers);
+    return most_in_front(poses_of(matrix));
   }
 
   /// Pairs behind a camera are as far off as can be: of a plane's two poses often one alone has all in front.
   auto evaluator(const Pose& match_from_query) const {
-    return [this, essential = essential_matrix(match_from_query), rotation = match_from_query.rotation.toRotationMatrix(),
-            direction = match_from_query.translation](std::size_t i) {
-      const double angle = epipolar_residual(pairs_[i].query, pairs_[i].match, essential).angle();
-      const bool agrees = std::abs(angle) < options_.max_error_rad;
-      return agrees && !in_front_of_both(pairs_[i], rotation, direction, options_.max_error_rad) ? kPi : angle * angle;
+    return [angles = equations_.angles(frame_of(match_from_query), options_.max_error_rad)](std::size_t i) {
+      return angles[i] * angles[i];
     };
   }
 
   Pose refine(const Pose& match_from_query, const std::vector<std::size_t>& inliers) const {
     constexpr int kLocalSteps = 5;
     const Pose refined = minimise(pairs_, inliers, match_from_query, kLocalSteps);
+    if (2 * num_in_front(refined) > inliers.size()) return refined;
     // A poor start may have had the right essential matrix nearby, but another of its poses in front of the cameras.
-    return most_in_front(poses_of(essential_matrix(refined)), inliers).value_or(refined);
+    return most_in_front(poses_of(essential_matrix(refined))).value_or(refined);
   }
 
  private:
-  std::optional<Pose> most_in_front(const std::array<Pose, 4>& poses, const std::vector<std::size_t>& inliers) const {
+  /// Inliers that lie in front of both cameras.
+  std::size_t num_in_front(const Pose& match_from_query) const {
+    const std::vector<double> angles = equations_.angles(frame_of(match_from_query), options_.max_error_rad);
+    return static_cast<std::size_t>(
+        std::count_if(angles.begin(), angles.end(), [&](double angle) { return std::abs(angle) < options_.max_error_rad; }));
+  }
+
+  std::optional<Pose> most_in_front(const std::array<Pose, 4>& poses) const {
     std::array<std::size_t, 4> in_front{};
-    for (std::size_t k = 0; k < poses.size(); ++k) {
-      const Eigen::Matrix3d rotation = poses[k].rotation.toRotationMatrix();
-      for (const std::size_t i : inliers)
-        in_front[k] += in_front_of_both(pairs_[i], rotation, poses[k].translation, options_.max_error_rad);
-    }
+    for (std::size_t k = 0; k < poses.size(); ++k) in_front[k] = num_in_front(poses[k]);
     const auto most = std::max_element(in_front.begin(), in_front.end());
     if (*most < kSampleSize) return std::nullopt;
     return poses[static_cast<std::size_t>(most - in_front.begin())];
@@ -200,22 +208,8 @@ class RelativePoseProblem {
   std::span<const RayPair> pairs_;
   const RelativePoseOptions& options_;
   EpipolarData data_;
+  EpipolarEquations equations_;
 };
-
-/// The noise of the pairs about a pose; those behind a camera are no inliers.
-InlierNoise noise_about(std::span<const RayPair> pairs, const Pose& match_from_query, double max_error_rad) {
-  const Eigen::Matrix3d essential = essential_matrix(match_from_query);
-  const Eigen::Matrix3d rotation = match_from_query.rotation.toRotationMatrix();
-  std::vector<double> residuals_rad(pairs.size());
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    residuals_rad[i] = epipolar_residual(pairs[i].query, pairs[i].match, essential).angle();
-    const bool agrees = std::abs(residuals_rad[i]) < max_error_rad;
-    if (agrees && !in_front_of_both(pairs[i], rotation, match_from_query.translation, max_error_rad)) {
-      residuals_rad[i] = kPi;
-    }
-  }
-  return estimate_inlier_noise(residuals_rad, max_error_rad, 5);
-}
 
 std::vector<std::size_t> where_possible(const std::vector<double>& p_true) {
   std::vector<std::size_t> indices;
@@ -225,24 +219,34 @@ std::vector<std::size_t> where_possible(const std::vector<double>& p_true) {
   return indices;
 }
 
+/// A pose and which pairs are true about it.
+struct Settled {
+  Pose match_from_query;
+  std::vector<double> residuals_rad;  ///< Of all pairs; pi for those behind a camera.
+  InlierNoise noise;
+  std::vector<std::size_t> inliers;
+};
+
 /// The inverse covariance of a refined pose: never more certain than the noise says, nor than the jackknife. A few accidental
 /// inliers where the true ones say little bend the pose to themselves; the residuals hardly show it, but without each of them the
 /// pose would be elsewhere. That covariance is H^-1 (sum w J J^T (r / (1 - h))^2) H^-1 with the leverages h = w J^T H^-1 J
 /// (MacKinnon & White 1985, HC3); in the directions where it is larger by more than luck, it counts.
-Matrix5d information_of(std::span<const RayPair> pairs, std::span<const std::size_t> inliers, const Pose& match_from_query,
-                        const InlierNoise& noise) {
+Matrix5d information_of(std::span<const RayPair> pairs, const Settled& settled) {
+  const InlierNoise& noise = settled.noise;
   const double variance = noise.sigma_rad * noise.sigma_rad;
-  const Matrix5d hessian = linearise(pairs, inliers, match_from_query, noise.p_true).hessian;
+  const EpipolarEquations equations = equations_of(pairs, settled.inliers, noise.p_true);
+  const Matrix5d hessian = linearise(equations, settled.match_from_query).hessian;
   const Eigen::LLT<Matrix5d> factor(hessian);
   if (factor.info() != Eigen::Success) return hessian / variance;
   constexpr double kMaxLeverage = 0.95;  // of a pair without which nothing would be known in some direction
+  const auto rows = equations.jacobian(frame_of(settled.match_from_query));
   Matrix5d scatter = Matrix5d::Zero();
-  for (const std::size_t i : inliers) {
-    const std::size_t index[] = {i};
-    const NormalEquations<5> one = linearise(pairs, index, match_from_query, noise.p_true);
-    const double leverage = std::min(kMaxLeverage, factor.solve(one.hessian).trace());
-    // gradient = w r J, so that its outer product over w is w r^2 J J^T.
-    scatter += one.gradient * one.gradient.transpose() / (noise.p_true[i] * (1 - leverage) * (1 - leverage));
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const Eigen::Map<const Vector5d> row(rows[k].data());
+    const double weight = noise.p_true[settled.inliers[k]];
+    const double leverage = std::min(kMaxLeverage, weight * factor.matrixL().solve(row).squaredNorm());
+    const double left_out = settled.residuals_rad[settled.inliers[k]] / (1 - leverage);
+    scatter += (weight * left_out * left_out) * row * row.transpose();
   }
   // In coordinates in which the model's covariance is the identity.
   const Matrix5d whitened = factor.matrixL().solve(factor.matrixL().solve(scatter).transpose()) / variance;
@@ -255,41 +259,58 @@ Matrix5d information_of(std::span<const RayPair> pairs, std::span<const std::siz
   return root * inflation.cwiseInverse().asDiagonal() * root.transpose() / variance;
 }
 
+Settled settled_at(const EpipolarEquations& equations, const Pose& match_from_query, double max_error_rad) {
+  Settled at{match_from_query, equations.angles(frame_of(match_from_query), max_error_rad), {}, {}};
+  at.noise = estimate_inlier_noise(at.residuals_rad, max_error_rad, 5);
+  at.inliers = where_possible(at.noise.p_true);
+  return at;
+}
+
 /// Refines by expectation maximisation: which pairs are true, and the pose that these tell, in turn.
-std::optional<RelativePose> finish(std::span<const RayPair> pairs, Pose match_from_query, const RelativePoseOptions& options,
-                                   int iterations) {
+std::optional<Settled> settle(std::span<const RayPair> pairs, const Pose& match_from_query, double max_error_rad) {
   constexpr int kRounds = 4;
   constexpr int kSteps = 20;
   constexpr std::size_t kMinInliers = 6;
-  InlierNoise noise = noise_about(pairs, match_from_query, options.max_error_rad);
-  std::vector<std::size_t> inliers = where_possible(noise.p_true);
-  for (int round = 0; round < kRounds && inliers.size() >= kMinInliers; ++round) {
-    match_from_query = minimise(pairs, inliers, match_from_query, kSteps, noise.p_true);
-    noise = noise_about(pairs, match_from_query, options.max_error_rad);
-    auto next = where_possible(noise.p_true);
-    const bool settled = round > 0 && next == inliers;
-    inliers = std::move(next);
-    if (settled) break;
+  const EpipolarEquations equations = equations_of(pairs);
+  Settled now = settled_at(equations, match_from_query, max_error_rad);
+  for (int round = 0; round < kRounds && now.inliers.size() >= kMinInliers; ++round) {
+    const Pose refined = minimise(pairs, now.inliers, now.match_from_query, kSteps, now.noise.p_true);
+    Settled next = settled_at(equations, refined, max_error_rad);
+    const bool has_settled = round > 0 && next.inliers == now.inliers;
+    now = std::move(next);
+    if (has_settled) break;
   }
-  if (inliers.size() < kMinInliers) return std::nullopt;
+  if (now.inliers.size() < kMinInliers) return std::nullopt;
+  return now;
+}
+
+RelativePose relative_pose_of(std::span<const RayPair> pairs, Settled settled, int iterations) {
   RelativePose result;
-  result.match_from_query = match_from_query;
-  result.direction_basis = tangent_basis(match_from_query.translation);
-  result.information = information_of(pairs, inliers, match_from_query, noise);
-  result.noise_rad = noise.sigma_rad;
-  result.num_true = noise.num_true;
-  result.inliers = std::move(inliers);
+  result.match_from_query = settled.match_from_query;
+  result.direction_basis = tangent_basis(settled.match_from_query.translation);
+  result.information = information_of(pairs, settled);
+  result.noise_rad = settled.noise.sigma_rad;
+  result.num_true = settled.noise.num_true;
+  result.inliers = std::move(settled.inliers);
   result.iterations = iterations;
   return result;
 }
 
+/// Whether the pairs speak for the one rather than the other, among as many accidental ones as either leaves.
+bool is_likelier(const Settled& one, const Settled& other, double max_error_rad) {
+  const double one_pair = 1.0 / max_error_rad;
+  const double floor = std::max(one_pair, 0.5 * (one.noise.floor + other.noise.floor));
+  return log_likelihood_over_floor(one.residuals_rad, one.noise, floor) >
+         log_likelihood_over_floor(other.residuals_rad, other.noise, floor);
+}
+
 /// The pose or one that most of its inliers lie closer to. Where views overlap little, poses many degrees apart have the same
 /// pairs within the threshold, and the sum of truncated squares hardly tells which is right; the noise does.
-RelativePose sharper_of(std::span<const RayPair> pairs, RelativePose found, const RelativePoseOptions& options) {
+Settled sharper_of(std::span<const RayPair> pairs, Settled found, const RelativePoseOptions& options) {
   constexpr double kSharper = 0.25;
   constexpr int kMaxIterations = 200;
   constexpr double kSharpEnough = 0.1;
-  if (found.noise_rad < kSharpEnough * options.max_error_rad) return found;
+  if (found.noise.sigma_rad < kSharpEnough * options.max_error_rad) return found;
   std::vector<RayPair> inliers;
   for (const std::size_t i : found.inliers) inliers.push_back(pairs[i]);
   RelativePoseOptions sharper = options;
@@ -297,9 +318,8 @@ RelativePose sharper_of(std::span<const RayPair> pairs, RelativePose found, cons
   const RelativePoseProblem problem(inliers, sharper);
   const auto best = ransac(problem, {sharper.max_error_rad, options.confidence, kMaxIterations, options.seed, 0});
   if (!best) return found;
-  auto rival = finish(pairs, best->model, options, found.iterations + best->iterations);
-  const bool is_better = rival && log_likelihood(*rival, options.max_error_rad) > log_likelihood(found, options.max_error_rad);
-  return is_better ? std::move(*rival) : found;
+  auto rival = settle(pairs, best->model, options.max_error_rad);
+  return rival && is_likelier(*rival, found, options.max_error_rad) ? std::move(*rival) : found;
 }
 
 }  // namespace
@@ -309,9 +329,9 @@ std::optional<RelativePose> estimate_relative_pose(std::span<const RayPair> pair
   const auto best =
       ransac(problem, {options.max_error_rad, options.confidence, options.max_iterations, options.seed, options.min_inliers});
   if (!best) return std::nullopt;
-  auto found = finish(pairs, best->model, options, best->iterations);
-  if (found) found = sharper_of(pairs, std::move(*found), options);
-  return found;
+  auto settled = settle(pairs, best->model, options.max_error_rad);
+  if (!settled) return std::nullopt;
+  return relative_pose_of(pairs, sharper_of(pairs, std::move(*settled), options), best->iterations);
 }
 
 double log_likelihood(const RelativePose& relative, double max_error_rad) {
@@ -322,7 +342,9 @@ double log_likelihood(const RelativePose& relative, double max_error_rad) {
 std::optional<RelativePose> refine_relative_pose(std::span<const RayPair> pairs, const Pose& match_from_query,
                                                  const RelativePoseOptions& options) {
   if (match_from_query.translation.norm() < 1e-12) return std::nullopt;
-  return finish(pairs, {match_from_query.rotation, match_from_query.translation.normalized()}, options, 0);
+  auto settled = settle(pairs, {match_from_query.rotation, match_from_query.translation.normalized()}, options.max_error_rad);
+  if (!settled) return std::nullopt;
+  return relative_pose_of(pairs, std::move(*settled), 0);
 }
 
 RotationFit fit_rotation(std::span<const RayPair> pairs, std::span<const std::size_t> indices, double max_error_rad) {
