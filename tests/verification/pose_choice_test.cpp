@@ -18,18 +18,18 @@ using testing_support::make_two_views;
 using testing_support::TwoViewOptions;
 using testing_support::TwoViews;
 
-constexpr double kFocalPx = 500;  // of test_camera()
-constexpr double kMaxErrorRad = 2.0 / kFocalPx;
+constexpr double kLensFocalPx = 500;  // of test_camera()
+constexpr double kPoseGateRad = 2.0 / kLensFocalPx;
 
-std::vector<Match> each_with_itself(std::size_t count) {
+std::vector<Match> each_with_its_own(std::size_t count) {
   std::vector<Match> matches(count);
   for (std::size_t i = 0; i < count; ++i) matches[i] = {static_cast<int>(i), static_cast<int>(i), 0};
   return matches;
 }
 
 /// A lens that the calibration does not describe: an error of up to 0.3 px that is alike for rays near one another.
-void bend_rays(std::vector<RayPair>& pairs) {
-  constexpr double kError = 0.3 / kFocalPx;
+void bend_by_lens(std::vector<RayPair>& pairs) {
+  constexpr double kError = 0.3 / kLensFocalPx;
   const auto bent = [&](const Eigen::Vector3d& ray, const Eigen::Vector2d& direction) {
     const double u = ray.x() / ray.z(), v = ray.y() / ray.z();
     const Eigen::Vector2d waves(std::sin(9 * u + 2) * std::cos(7 * v), std::cos(8 * u) * std::sin(9 * v + 1));
@@ -42,11 +42,11 @@ void bend_rays(std::vector<RayPair>& pairs) {
 /// The pose that is chosen for a plane without odometry or depths; none where nothing tells it.
 std::optional<Pose> decided_pose(const TwoViews& world, std::uint64_t seed) {
   RelativePoseOptions options;
-  options.max_error_rad = kMaxErrorRad;
+  options.max_error_rad = kPoseGateRad;
   options.seed = seed;
   auto found = estimate_relative_pose(world.pairs, options);
   if (!found) return std::nullopt;
-  const PoseChoice choice = choose_pose(world.query, world.match, each_with_itself(world.pairs.size()), world.pairs,
+  const PoseChoice choice = choose_pose(world.query, world.match, each_with_its_own(world.pairs.size()), world.pairs,
                                         std::move(*found), {options, {}, {}}, {});
   if (choice.lead && *choice.lead < kMinLead) return std::nullopt;
   return choice.chosen.relative.match_from_query;
@@ -57,7 +57,7 @@ TEST(PoseChoice, ManyMatchesDoNotMakeALensErrorDecide) {
   int num_wrong = 0;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     TwoViews world = make_two_views({.num_points = 1500, .noise_px = 0.2, .planar = true, .baseline = 0.3, .seed = seed});
-    bend_rays(world.pairs);
+    bend_by_lens(world.pairs);
     const auto pose = decided_pose(world, seed);
     num_wrong += pose && deg_from_rad(angle_between(pose->translation, world.match_from_query.translation)) > 10;
   }
