@@ -60,6 +60,10 @@ PoseChoice choose_pose(const View& query, const View& match, const std::vector<M
                        RelativePose relative, const PoseChoiceOptions& options, const std::optional<PosePrior>& prior) {
   PlanarScene scene = planar_scene(pairs, relative, options.pose);
   std::vector<PoseCandidate> candidates;
+  if (scene.closer) {
+    scene.closer->iterations = relative.iterations;
+    relative = std::move(*scene.closer);
+  }
   candidates.push_back({std::move(relative), {}, 0, 0});
   for (RelativePose& rival : scene.rivals) candidates.push_back({std::move(rival), {}, 0, 0});
   for (PoseCandidate& candidate : candidates) {
