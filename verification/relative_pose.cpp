@@ -5,211 +5,20 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <opengv/relative_pose/CentralRelativeAdapter.hpp>
-#include <opengv/relative_pose/methods.hpp>
+#include <utility>
 
-#include "verification/epipolar_cost.h"
-#include "verification/epipolar_equations.h"
-#include "verification/five_point.h"
+#include "verification/epipolar_refinement.h"
 #include "verification/inlier_noise.h"
-#include "verification/levenberg_marquardt.h"
 #include "verification/median.h"
 #include "verification/ransac.h"
-#include "verification/residuals.h"
+#include "verification/relative_pose_problem.h"
 
 namespace fabloop {
 namespace {
 
 using Vector5d = Eigen::Matrix<double, 5, 1>;
 using Matrix5d = Eigen::Matrix<double, 5, 5>;
-
-/// Two unit vectors that span the plane across `direction`.
-Eigen::Matrix<double, 3, 2> tangent_basis(const Eigen::Vector3d& direction) {
-  Eigen::Matrix<double, 3, 2> basis;
-  basis.col(0) = direction.unitOrthogonal();
-  basis.col(1) = direction.cross(basis.col(0)).normalized();
-  return basis;
-}
-
-EpipolarFrame frame_of(const Pose& match_from_query) {
-  using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-  EpipolarFrame frame;
-  Eigen::Map<RowMajor>(frame.rotation.data()) = match_from_query.rotation.toRotationMatrix();
-  Eigen::Map<Eigen::Vector3d>(frame.translation.data()) = match_from_query.translation;
-  Eigen::Map<RowMajor>(frame.essential.data()) = essential_matrix(match_from_query);
-  Eigen::Map<Eigen::Matrix<double, 3, 2>>(frame.basis.data()) = tangent_basis(match_from_query.translation);
-  return frame;
-}
-
-EpipolarEquations equations_of(std::span<const RayPair> pairs) {
-  EpipolarEquations equations(pairs.size());
-  for (std::size_t i = 0; i < pairs.size(); ++i) equations.set(i, pairs[i].query.data(), pairs[i].match.data());
-  return equations;
-}
-
-/// Of some of the pairs. Each counts as much as `weights` says: all alike where there are none.
-EpipolarEquations equations_of(std::span<const RayPair> pairs, std::span<const std::size_t> indices,
-                               std::span<const double> weights) {
-  EpipolarEquations equations(indices.size());
-  for (std::size_t k = 0; k < indices.size(); ++k) {
-    const RayPair& pair = pairs[indices[k]];
-    equations.set(k, pair.query.data(), pair.match.data(), weights.empty() ? 1.0 : weights[indices[k]]);
-  }
-  return equations;
-}
-
-/// With respect to (rotation in the query frame, direction's tangent plane), radians.
-NormalEquations<5> linearise(const EpipolarEquations& equations, const Pose& match_from_query) {
-  const EpipolarSums sums = equations.linearise(frame_of(match_from_query));
-  NormalEquations<5> normal;
-  std::size_t next = 0;
-  for (Eigen::Index row = 0; row < 5; ++row) {
-    for (Eigen::Index column = 0; column <= row; ++column) {
-      normal.hessian(row, column) = normal.hessian(column, row) = sums.hessian[next++];
-    }
-  }
-  normal.gradient = Eigen::Map<const Vector5d>(sums.gradient.data());
-  normal.cost = sums.cost;
-  return normal;
-}
-
-Pose moved_across_directions(const Pose& match_from_query, const Vector5d& step) {
-  const Eigen::Matrix<double, 3, 2> basis = tangent_basis(match_from_query.translation);
-  return {(match_from_query.rotation * rotation_from_vector(step.head<3>())).normalized(),
-          (match_from_query.translation + basis * step.tail<2>()).normalized()};
-}
-
-/// Minimises the Sampson distances of the given pairs.
-Pose minimise(std::span<const RayPair> pairs, std::span<const std::size_t> indices, const Pose& match_from_query, int max_steps,
-              std::span<const double> weights = {}) {
-  const EpipolarEquations equations = equations_of(pairs, indices, weights);
-  return levenberg_marquardt<5>(
-      match_from_query, [&](const Pose& pose) { return linearise(equations, pose); }, moved_across_directions, max_steps);
-}
-
-/// The four poses of an essential matrix (Hartley & Zisserman 2004, result 9.19).
-std::array<Pose, 4> poses_of(const Eigen::Matrix3d& essential) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(essential, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d u = svd.matrixU();
-  Eigen::Matrix3d v = svd.matrixV();
-  if (u.determinant() < 0) u = -u;
-  if (v.determinant() < 0) v = -v;
-  const Eigen::Matrix3d w = (Eigen::Matrix3d() << 0, -1, 0, 1, 0, 0, 0, 0, 1).finished();
-  const auto a = Eigen::Quaterniond(Eigen::Matrix3d(u * w * v.transpose())).normalized();
-  const auto b = Eigen::Quaterniond(Eigen::Matrix3d(u * w.transpose() * v.transpose())).normalized();
-  const Eigen::Vector3d direction = u.col(2);
-  return {Pose{a, direction}, Pose{a, -direction}, Pose{b, direction}, Pose{b, -direction}};
-}
-
-/// An essential matrix with respect to which rays agree or not, row by row.
-using Essential = std::array<double, 9>;
-
-class RelativePoseProblem {
- public:
-  using Model = Pose;
-  using Candidate = Essential;
-  static constexpr std::size_t kSampleSize = 5;
-  static constexpr std::size_t kBatchSize = kFivePointLanes;
-  using Samples = std::array<std::array<std::size_t, kSampleSize>, kBatchSize>;
-
-  RelativePoseProblem(std::span<const RayPair> pairs, const RelativePoseOptions& options)
-      : pairs_(pairs), options_(options), data_(pairs.size()), equations_(equations_of(pairs)) {
-    for (std::size_t i = 0; i < pairs.size(); ++i) data_.set(i, pairs[i].query.data(), pairs[i].match.data());
-  }
-
-  std::size_t size() const { return pairs_.size(); }
-
-  std::vector<Essential> solve(const Samples& samples) const {
-    return options_.solver == FivePointSolver::OpenGv ? solve_by_opengv(samples) : solve_in_lanes(samples);
-  }
-
-  double cost(const Essential& essential, double bound) const { return data_.cost(essential, options_.max_error_rad, bound); }
-
-  /// None when fewer inliers than a sample lie in front of both cameras.
-  std::optional<Pose> model_of(const Essential& essential) const {
-    const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> matrix(essential.data());
-    return most_in_front(poses_of(matrix));
-  }
-
-  /// Pairs behind a camera are as far off as can be: of a plane's two poses often one alone has all in front.
-  auto evaluator(const Pose& match_from_query) const {
-    return [angles = equations_.angles(frame_of(match_from_query), options_.max_error_rad)](std::size_t i) {
-      return angles[i] * angles[i];
-    };
-  }
-
-  Pose refine(const Pose& match_from_query, const std::vector<std::size_t>& inliers) const {
-    constexpr int kLocalSteps = 5;
-    const Pose refined = minimise(pairs_, inliers, match_from_query, kLocalSteps);
-    if (2 * num_in_front(refined) > inliers.size()) return refined;
-    // A poor start may have had the right essential matrix nearby, but another of its poses in front of the cameras.
-    return most_in_front(poses_of(essential_matrix(refined))).value_or(refined);
-  }
-
- private:
-  /// Inliers that lie in front of both cameras.
-  std::size_t num_in_front(const Pose& match_from_query) const {
-    const std::vector<double> angles = equations_.angles(frame_of(match_from_query), options_.max_error_rad);
-    return static_cast<std::size_t>(
-        std::count_if(angles.begin(), angles.end(), [&](double angle) { return std::abs(angle) < options_.max_error_rad; }));
-  }
-
-  std::optional<Pose> most_in_front(const std::array<Pose, 4>& poses) const {
-    std::array<std::size_t, 4> in_front{};
-    for (std::size_t k = 0; k < poses.size(); ++k) in_front[k] = num_in_front(poses[k]);
-    const auto most = std::max_element(in_front.begin(), in_front.end());
-    if (*most < kSampleSize) return std::nullopt;
-    return poses[static_cast<std::size_t>(most - in_front.begin())];
-  }
-
-  std::vector<Essential> solve_in_lanes(const Samples& samples) const {
-    FivePointSamples rays;
-    for (std::size_t lane = 0; lane < kBatchSize; ++lane) {
-      for (std::size_t i = 0; i < kSampleSize; ++i) {
-        const RayPair& pair = pairs_[samples[lane][i]];
-        for (Eigen::Index k = 0; k < 3; ++k) {
-          rays.query[i][static_cast<std::size_t>(k)][lane] = pair.query(k);
-          rays.match[i][static_cast<std::size_t>(k)][lane] = pair.match(k);
-        }
-      }
-    }
-    const FivePointSolutions solutions = five_point(rays);
-    std::vector<Essential> essentials;
-    essentials.reserve(kBatchSize * kMaxFivePointSolutions);
-    for (std::size_t lane = 0; lane < kBatchSize; ++lane) {
-      const auto& found = solutions.essentials[lane];
-      essentials.insert(essentials.end(), found.begin(), found.begin() + static_cast<std::ptrdiff_t>(solutions.count[lane]));
-    }
-    return essentials;
-  }
-
-  std::vector<Essential> solve_by_opengv(const Samples& samples) const {
-    std::vector<Essential> essentials;
-    for (const auto& sample : samples) {
-      opengv::bearingVectors_t match_rays, query_rays;
-      for (const std::size_t i : sample) {
-        match_rays.push_back(pairs_[i].match);
-        query_rays.push_back(pairs_[i].query);
-      }
-      opengv::relative_pose::CentralRelativeAdapter adapter(match_rays, query_rays);
-      // OpenGV's essential matrices satisfy match^T E query = 0.
-      for (const auto& essential : opengv::relative_pose::fivept_nister(adapter)) {
-        if (!essential.allFinite()) continue;
-        Essential rows;
-        Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data()) = essential;
-        essentials.push_back(rows);
-      }
-    }
-    return essentials;
-  }
-
-  std::span<const RayPair> pairs_;
-  const RelativePoseOptions& options_;
-  EpipolarData data_;
-  EpipolarEquations equations_;
-};
 
 std::vector<std::size_t> where_possible(const std::vector<double>& p_true) {
   std::vector<std::size_t> indices;
@@ -274,7 +83,7 @@ std::optional<Settled> settle(std::span<const RayPair> pairs, const Pose& match_
   const EpipolarEquations equations = equations_of(pairs);
   Settled now = settled_at(equations, match_from_query, max_error_rad);
   for (int round = 0; round < kRounds && now.inliers.size() >= kMinInliers; ++round) {
-    const Pose refined = minimise(pairs, now.inliers, now.match_from_query, kSteps, now.noise.p_true);
+    const Pose refined = minimise(equations_of(pairs, now.inliers, now.noise.p_true), now.match_from_query, kSteps);
     Settled next = settled_at(equations, refined, max_error_rad);
     const bool has_settled = round > 0 && next.inliers == now.inliers;
     now = std::move(next);
@@ -287,7 +96,7 @@ std::optional<Settled> settle(std::span<const RayPair> pairs, const Pose& match_
 RelativePose relative_pose_of(std::span<const RayPair> pairs, Settled settled, int iterations) {
   RelativePose result;
   result.match_from_query = settled.match_from_query;
-  result.direction_basis = tangent_basis(settled.match_from_query.translation);
+  result.direction_basis = direction_axes(settled.match_from_query.translation);
   result.information = information_of(pairs, settled);
   result.noise_rad = settled.noise.sigma_rad;
   result.num_true = settled.noise.num_true;
