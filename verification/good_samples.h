@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -61,12 +62,20 @@ class GoodSamples {
   void choose_richest(const std::vector<std::size_t>& inliers, double p_accident) {
     constexpr double kMostModels = 10;
     constexpr double kMaxLog10FalseAlarms = -2;
+    std::vector<std::size_t> richer;  // than all data, by the inlier that ends them: the share falls until the next one
     for (std::size_t i = kSize; i < inliers.size(); ++i) {
-      const std::size_t subset = inliers[i] + 1;  // the share falls until the next inlier
-      if (subset < kMinSubset || of_subsets_[subset].p_good <= of_subsets_[richest_].p_good) continue;
-      if (log10_false_alarms(subset, i + 1, kSize, p_accident, kMostModels) < kMaxLog10FalseAlarms) richest_ = subset;
+      if (inliers[i] + 1 >= kMinSubset && p_good_of(inliers[i]) > of_subsets_.back().p_good) richer.push_back(i);
     }
+    std::stable_sort(richer.begin(), richer.end(),
+                     [&](std::size_t a, std::size_t b) { return p_good_of(inliers[a]) > p_good_of(inliers[b]); });
+    const auto proven = std::find_if(richer.begin(), richer.end(), [&](std::size_t i) {
+      return log10_false_alarms(inliers[i] + 1, i + 1, kSize, p_accident, kMostModels) < kMaxLog10FalseAlarms;
+    });
+    if (proven != richer.end()) richest_ = inliers[*proven] + 1;
   }
+
+  /// Of a sample of the data up to the last one given.
+  double p_good_of(std::size_t last) const { return of_subsets_[last + 1].p_good; }
 
   /// C(good, count) / C(all, count).
   static double share(std::size_t good, std::size_t all, std::size_t count) {

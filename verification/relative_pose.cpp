@@ -117,6 +117,7 @@ bool is_likelier(const Settled& one, const Settled& other, double max_error_rad)
 /// pairs within the threshold, and the sum of truncated squares hardly tells which is right; the noise does.
 Settled sharper_of(std::span<const RayPair> pairs, Settled found, const RelativePoseOptions& options) {
   constexpr double kSharper = 0.25;
+  constexpr double kConfidence = 0.95;  // there is a pose already, and few of its inliers agree so closely
   constexpr int kMaxIterations = 200;
   constexpr double kSharpEnough = 0.1;
   if (found.noise.sigma_rad < kSharpEnough * options.max_error_rad) return found;
@@ -125,7 +126,7 @@ Settled sharper_of(std::span<const RayPair> pairs, Settled found, const Relative
   RelativePoseOptions sharper = options;
   sharper.max_error_rad *= kSharper;
   const RelativePoseProblem problem(inliers, sharper);
-  const auto best = ransac(problem, {sharper.max_error_rad, options.confidence, kMaxIterations, options.seed, 0});
+  const auto best = ransac(problem, {sharper.max_error_rad, kConfidence, kMaxIterations, options.seed, 0});
   if (!best) return found;
   auto rival = settle(pairs, best->model, options.max_error_rad);
   return rival && is_likelier(*rival, found, options.max_error_rad) ? std::move(*rival) : found;
