@@ -64,10 +64,16 @@ PlanarScene planar_scene(std::span<const RayPair> pairs, const RelativePose& bes
   for (const Pose& pose : poses_of(homography)) {
     auto rival = refine_relative_pose(pairs, pose, pose_options);
     if (!rival || rival->num_true < options.min_support_ratio * best.num_true) continue;
-    const bool known = !differ(rival->match_from_query, best.match_from_query, options) ||
-                       std::any_of(scene.rivals.begin(), scene.rivals.end(), [&](const RelativePose& other) {
-                         return !differ(rival->match_from_query, other.match_from_query, options);
-                       });
+    if (!differ(rival->match_from_query, best.match_from_query, options)) {
+      const RelativePose& closest = scene.closer ? *scene.closer : best;
+      if (log_likelihood(*rival, pose_options.max_error_rad) > log_likelihood(closest, pose_options.max_error_rad)) {
+        scene.closer = std::move(*rival);
+      }
+      continue;
+    }
+    const bool known = std::any_of(scene.rivals.begin(), scene.rivals.end(), [&](const RelativePose& other) {
+      return !differ(rival->match_from_query, other.match_from_query, options);
+    });
     if (!known) scene.rivals.push_back(std::move(*rival));
   }
   std::stable_sort(scene.rivals.begin(), scene.rivals.end(),

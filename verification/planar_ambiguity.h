@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -21,6 +22,9 @@ struct PlanarScene {
   /// Clearly different poses that explain the matches nearly as well, best first: two views of a plane have two poses
   /// (Longuet-Higgins 1986), both often in front of both cameras. A rival may have more support than the pose found first.
   std::vector<RelativePose> rivals;
+  /// The pose found first, as the plane tells it, where its pairs lie closer on that: along a plane's weak direction a refinement
+  /// may stop short.
+  std::optional<RelativePose> closer;
 };
 
 /// Fits a homography to the inliers of a pose, and refines and counts the poses that it decomposes into where it holds enough.

@@ -28,12 +28,20 @@ double other_log_likelihood(const PoseCandidate& candidate, const std::optional<
   return sum + prior_log_likelihood(squared_distance(pose, *prior), 6);
 }
 
-/// A noise estimated from n residuals is known to 1 / sqrt(2 n), relative; n times the difference of two such logarithms has a
-/// standard deviation of sqrt(n).
+/// As how many independent pairs so many count. What is left of a lens's distortion, or of a rolling shutter, is the same for
+/// pairs that lie near one another, a twentieth of the image say: however many they are, the image has 400 such parts, and the two
+/// poses take such errors up in different ways.
+double num_independent(double num_true) {
+  constexpr double kNumParts = 400;
+  return num_true / (1.0 + num_true / kNumParts);
+}
+
+/// A noise estimated from n independent residuals is known to 1 / sqrt(2 n), relative; n times the difference of two such
+/// logarithms has a standard deviation of sqrt(n).
 double lead_over(const PoseCandidate& candidate, const PoseCandidate& other) {
   constexpr double kSigmas = 3.0;
   const double difference = candidate.ray_score - other.ray_score;
-  const double luck = kSigmas * std::sqrt(std::max(candidate.relative.num_true, other.relative.num_true));
+  const double luck = kSigmas * std::sqrt(num_independent(std::max(candidate.relative.num_true, other.relative.num_true)));
   const double beyond_luck = std::copysign(std::max(0.0, std::abs(difference) - luck), difference);
   return beyond_luck + candidate.other_score - other.other_score;
 }
@@ -52,6 +60,10 @@ PoseChoice choose_pose(const View& query, const View& match, const std::vector<M
                        RelativePose relative, const PoseChoiceOptions& options, const std::optional<PosePrior>& prior) {
   PlanarScene scene = planar_scene(pairs, relative, options.pose);
   std::vector<PoseCandidate> candidates;
+  if (scene.closer) {
+    scene.closer->iterations = relative.iterations;
+    relative = std::move(*scene.closer);
+  }
   candidates.push_back({std::move(relative), {}, 0, 0});
   for (RelativePose& rival : scene.rivals) candidates.push_back({std::move(rival), {}, 0, 0});
   for (PoseCandidate& candidate : candidates) {
@@ -66,7 +78,9 @@ PoseChoice choose_pose(const View& query, const View& match, const std::vector<M
     }
   }
   for (PoseCandidate& candidate : candidates) {
-    candidate.ray_score = log_likelihood(candidate.relative, options.pose.max_error_rad);
+    const double num_true = candidate.relative.num_true;
+    candidate.ray_score =
+        log_likelihood(candidate.relative, options.pose.max_error_rad) * num_independent(num_true) / num_true;
     candidate.other_score = other_log_likelihood(candidate, prior);
   }
   std::size_t best = 0;

@@ -33,7 +33,7 @@ struct PoseCandidate {
   RelativePose relative;
   std::optional<Scale> scale;  ///< What the points say of it, or the heights.
   double unit_sigma = 0;       ///< Of the points' unit of length: View::unit_sigma.
-  double ray_score = 0;        ///< Logarithm of the likelihood of its true pairs, up to a constant.
+  double ray_score = 0;        ///< Logarithm of the likelihood of its true pairs, as many as are independent; up to a constant.
   double other_score = 0;      ///< The same of the points and of the prior.
 };
 
@@ -47,8 +47,8 @@ struct PoseChoice {
 /// Below this lead nothing tells the two poses of a plane apart.
 inline constexpr double kMinLead = 5.0;
 
-/// The relative pose or one that a plane would explain as well. Rays lie by luck closer on one of two poses that explain them
-/// alike: what counts is by how much more than three standard deviations of such luck.
+/// The relative pose or one that a plane would explain as well. By luck, and by errors of the lens that near pairs share, rays lie
+/// closer on one of two poses that explain them alike: what counts is by how much more than three standard deviations of luck.
 PoseChoice choose_pose(const View& query, const View& match, const std::vector<Match>& matches, std::span<const RayPair> pairs,
                        RelativePose relative, const PoseChoiceOptions& options, const std::optional<PosePrior>& prior);
 

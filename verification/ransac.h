@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "verification/good_samples.h"
 #include "verification/prosac_sampler.h"
 
 namespace fabloop {
@@ -31,24 +32,34 @@ struct RansacResult {
   int iterations = 0;
 };
 
-/// Truncated squared error (MSAC, Torr & Zisserman 2000), in units of the threshold; stops adding once above `bound`.
-template <typename Problem>
-double msac_cost(const Problem& problem, const typename Problem::Model& model, double max_error_rad, double bound) {
-  const auto evaluate = problem.evaluator(model);
+/// Truncated squared error (MSAC, Torr & Zisserman 2000) of `num_data` data, in units of the threshold; stops adding once above
+/// `bound`. `evaluate(index)` is a datum's squared error in radians.
+template <typename Evaluate>
+double truncated_cost(std::size_t num_data, const Evaluate& evaluate, double max_error_rad, double bound) {
   const double inverse_threshold = 1.0 / (max_error_rad * max_error_rad);
   double cost = 0;
-  for (std::size_t i = 0; i < problem.size() && cost < bound; ++i) cost += std::min(1.0, evaluate(i) * inverse_threshold);
+  for (std::size_t i = 0; i < num_data && cost < bound; ++i) cost += std::min(1.0, evaluate(i) * inverse_threshold);
   return cost;
+}
+
+template <typename Evaluate>
+std::vector<std::size_t> agreeing(std::size_t num_data, const Evaluate& evaluate, double max_error_rad) {
+  std::vector<std::size_t> inliers;
+  for (std::size_t i = 0; i < num_data; ++i) {
+    if (evaluate(i) < max_error_rad * max_error_rad) inliers.push_back(i);
+  }
+  return inliers;
+}
+
+/// truncated_cost() of a problem's data about a model.
+template <typename Problem>
+double msac_cost(const Problem& problem, const typename Problem::Model& model, double max_error_rad, double bound) {
+  return truncated_cost(problem.size(), problem.evaluator(model), max_error_rad, bound);
 }
 
 template <typename Problem>
 std::vector<std::size_t> inliers_of(const Problem& problem, const typename Problem::Model& model, double max_error_rad) {
-  const auto evaluate = problem.evaluator(model);
-  std::vector<std::size_t> inliers;
-  for (std::size_t i = 0; i < problem.size(); ++i) {
-    if (evaluate(i) < max_error_rad * max_error_rad) inliers.push_back(i);
-  }
-  return inliers;
+  return agreeing(problem.size(), problem.evaluator(model), max_error_rad);
 }
 
 /// Draws until one success in a row of attempts with the given probability is as sure as `confidence`.
@@ -64,57 +75,18 @@ inline double needed_iterations(std::size_t num_inliers, std::size_t num_data, s
   return needed_draws(std::pow(share, static_cast<double>(sample_size)), confidence);
 }
 
-/// How many samples of a model's inliers alone PROSAC has drawn so far, on average over how it draws: the search may stop once
-/// they are -log(1 - confidence), since their number is as good as Poisson distributed. Chum & Matas 2005, section 2.2, with the
-/// exact share of good samples of each draw instead of a bound: of a sample of the newest of n data and others before it,
-/// (newest is an inlier) * C(inliers before it, size - 1) / C(n - 1, size - 1). Where the order of the data says nothing, that
-/// is the usual w^size rule.
-template <std::size_t kSize>
-class GoodSamples {
- public:
-  explicit GoodSamples(std::size_t num_data) : draws_(num_data + 1, 0), p_good_(num_data + 1, 0.0) {}
-
-  void add_draw(std::size_t subset) {
-    ++draws_[subset];
-    expected_ += p_good_[subset];
+/// The probability that a datum which has nothing to do with a model agrees with it: as many lie between one and two thresholds,
+/// where nearly none of the true ones is. Residuals of several axes make it larger than it is, never smaller.
+template <typename Evaluate>
+double p_accident(std::size_t num_data, const Evaluate& evaluate, double max_error_rad) {
+  const double squared = max_error_rad * max_error_rad;
+  std::size_t num_beyond = 0;
+  for (std::size_t i = 0; i < num_data; ++i) {
+    const double error = evaluate(i);
+    num_beyond += error >= squared && error < 4.0 * squared;
   }
-
-  /// Another model to be sure of; `inliers` are ascending.
-  void set_inliers(const std::vector<std::size_t>& inliers) {
-    const std::size_t num_data = draws_.size() - 1;
-    expected_ = 0;
-    std::size_t num_before = 0;  // inliers before the newest
-    for (std::size_t subset = 1; subset <= num_data; ++subset) {
-      const std::size_t newest = subset - 1;
-      const bool is_inlier = num_before < inliers.size() && inliers[num_before] == newest;
-      if (subset == num_data) {
-        p_good_[subset] = share(inliers.size(), num_data, kSize);
-      } else {
-        p_good_[subset] = is_inlier && subset >= kMinSubset ? share(num_before, newest, kSize - 1) : 0.0;
-      }
-      expected_ += draws_[subset] * p_good_[subset];
-      num_before += is_inlier;
-    }
-  }
-
-  double expected() const { return expected_; }
-
- private:
-  /// A wrong model's own sample makes too large a share of smaller ones.
-  static constexpr std::size_t kMinSubset = 20;
-
-  /// C(good, count) / C(all, count).
-  static double share(std::size_t good, std::size_t all, std::size_t count) {
-    if (good < count) return 0;
-    double share = 1;
-    for (std::size_t i = 0; i < count; ++i) share *= static_cast<double>(good - i) / static_cast<double>(all - i);
-    return share;
-  }
-
-  std::vector<double> draws_;   ///< By the size of the subset.
-  std::vector<double> p_good_;  ///< Of one draw, likewise.
-  double expected_ = 0;
-};
+  return std::min(1.0, static_cast<double>(num_beyond + 1) / static_cast<double>(num_data));
+}
 
 /// What a minimal solver returns: `Problem::Candidate` where that is cheaper than a model, else the model itself.
 template <typename Problem>
@@ -158,7 +130,8 @@ class Ransac {
     for (; iteration < most && good_.expected() < enough; iteration += static_cast<int>(kBatch)) {
       if (!try_samples()) continue;
       optimise_locally();
-      good_.set_inliers(best_->inliers);
+      good_.set_inliers(best_->inliers, p_accident_);
+      sampler_.set_rich(good_.richest());
     }
     if (best_) best_->iterations = iteration;
     return std::move(best_);
@@ -170,7 +143,7 @@ class Ransac {
 
   std::array<std::size_t, kSize> draw() {
     const auto sample = sampler_.next();
-    good_.add_draw(sampler_.subset());
+    good_.add_draw(sampler_.draw());
     return sample;
   }
 
@@ -192,10 +165,12 @@ class Ransac {
   }
 
   bool consider(const Model& model) {
-    const double cost = msac_cost(problem_, model, options_.max_error_rad, best_cost_);
+    const auto evaluate = problem_.evaluator(model);
+    const double cost = truncated_cost(problem_.size(), evaluate, options_.max_error_rad, best_cost_);
     if (cost >= best_cost_) return false;
     best_cost_ = cost;
-    best_ = {model, inliers_of(problem_, model, options_.max_error_rad), 0};
+    best_ = {model, agreeing(problem_.size(), evaluate, options_.max_error_rad), 0};
+    p_accident_ = p_accident(problem_.size(), evaluate, options_.max_error_rad);
     return true;
   }
 
@@ -212,6 +187,7 @@ class Ransac {
   GoodSamples<kSize> good_;
   std::optional<RansacResult<Model>> best_;
   double best_cost_ = std::numeric_limits<double>::infinity();
+  double p_accident_ = 1;
 };
 
 template <typename Problem>

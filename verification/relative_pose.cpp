@@ -5,217 +5,20 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <opengv/relative_pose/CentralRelativeAdapter.hpp>
-#include <opengv/relative_pose/methods.hpp>
+#include <utility>
 
-#include "verification/epipolar_cost.h"
-#include "verification/five_point.h"
+#include "verification/epipolar_refinement.h"
 #include "verification/inlier_noise.h"
-#include "verification/levenberg_marquardt.h"
 #include "verification/median.h"
 #include "verification/ransac.h"
-#include "verification/residuals.h"
+#include "verification/relative_pose_problem.h"
 
 namespace fabloop {
 namespace {
 
 using Vector5d = Eigen::Matrix<double, 5, 1>;
 using Matrix5d = Eigen::Matrix<double, 5, 5>;
-
-/// Two unit vectors that span the plane across `direction`.
-Eigen::Matrix<double, 3, 2> tangent_basis(const Eigen::Vector3d& direction) {
-  Eigen::Matrix<double, 3, 2> basis;
-  basis.col(0) = direction.unitOrthogonal();
-  basis.col(1) = direction.cross(basis.col(0)).normalized();
-  return basis;
-}
-
-/// Whether rays meet in front of both cameras. Parallel ones, whose point is as good as infinitely far, do.
-bool in_front_of_both(const RayPair& pair, const Eigen::Matrix3d& rotation, const Eigen::Vector3d& direction,
-                      double min_parallax_rad) {
-  const RayDepths depths = ray_depths(rotation * pair.query, pair.match, direction);
-  return depths.squared_sine < min_parallax_rad * min_parallax_rad || (depths.query > 0 && depths.match > 0);
-}
-
-/// Epipolar residuals with respect to (rotation in the query frame, direction's tangent plane), radians.
-/// Each pair counts as much as `weights` says: all alike where there are none.
-NormalEquations<5> linearise(std::span<const RayPair> pairs, std::span<const std::size_t> indices, const Pose& match_from_query,
-                             std::span<const double> weights = {}) {
-  const Eigen::Matrix<double, 3, 2> basis = tangent_basis(match_from_query.translation);
-  const Eigen::Matrix3d essential = essential_matrix(match_from_query);
-  const Eigen::Matrix3d rotation = match_from_query.rotation.toRotationMatrix();
-  NormalEquations<5> normal;
-  for (const std::size_t i : indices) {
-    const RayPair& pair = pairs[i];
-    const EpipolarResidual residual = epipolar_residual(pair.query, pair.match, essential);
-    const EpipolarJacobian derivative =
-        epipolar_jacobian(residual, pair.query, pair.match, essential, rotation, match_from_query.translation);
-    Vector5d jacobian;
-    jacobian << derivative.by_rotation, basis.transpose() * derivative.by_translation;
-    const double value = residual.angle();
-    const double weight = weights.empty() ? 1.0 : weights[i];
-    normal.hessian.noalias() += (weight * jacobian) * jacobian.transpose();
-    normal.gradient.noalias() += weight * value * jacobian;
-    normal.cost += weight * value * value;
-  }
-  return normal;
-}
-
-Pose moved_across_directions(const Pose& match_from_query, const Vector5d& step) {
-  const Eigen::Matrix<double, 3, 2> basis = tangent_basis(match_from_query.translation);
-  return {(match_from_query.rotation * rotation_from_vector(step.head<3>())).normalized(),
-          (match_from_query.translation + basis * step.tail<2>()).normalized()};
-}
-
-/// Minimises the Sampson distances of the given pairs.
-Pose minimise(std::span<const RayPair> pairs, std::span<const std::size_t> indices, const Pose& match_from_query, int max_steps,
-              std::span<const double> weights = {}) {
-  return levenberg_marquardt<5>(
-      match_from_query, [&](const Pose& pose) { return linearise(pairs, indices, pose, weights); }, moved_across_directions,
-      max_steps);
-}
-
-/// The four poses of an essential matrix (Hartley & Zisserman 2004, result 9.19).
-std::array<Pose, 4> poses_of(const Eigen::Matrix3d& essential) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(essential, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d u = svd.matrixU();
-  Eigen::Matrix3d v = svd.matrixV();
-  if (u.determinant() < 0) u = -u;
-  if (v.determinant() < 0) v = -v;
-  const Eigen::Matrix3d w = (Eigen::Matrix3d() << 0, -1, 0, 1, 0, 0, 0, 0, 1).finished();
-  const auto a = Eigen::Quaterniond(Eigen::Matrix3d(u * w * v.transpose())).normalized();
-  const auto b = Eigen::Quaterniond(Eigen::Matrix3d(u * w.transpose() * v.transpose())).normalized();
-  const Eigen::Vector3d direction = u.col(2);
-  return {Pose{a, direction}, Pose{a, -direction}, Pose{b, direction}, Pose{b, -direction}};
-}
-
-/// An essential matrix with respect to which rays agree or not, row by row.
-using Essential = std::array<double, 9>;
-
-class RelativePoseProblem {
- public:
-  using Model = Pose;
-  using Candidate = Essential;
-  static constexpr std::size_t kSampleSize = 5;
-  static constexpr std::size_t kBatchSize = kFivePointLanes;
-  using Samples = std::array<std::array<std::size_t, kSampleSize>, kBatchSize>;
-
-  RelativePoseProblem(std::span<const RayPair> pairs, const RelativePoseOptions& options)
-      : pairs_(pairs), options_(options), data_(pairs.size()) {
-    for (std::size_t i = 0; i < pairs.size(); ++i) data_.set(i, pairs[i].query.data(), pairs[i].match.data());
-  }
-
-  std::size_t size() const { return pairs_.size(); }
-
-  std::vector<Essential> solve(const Samples& samples) const {
-    return options_.solver == FivePointSolver::OpenGv ? solve_by_opengv(samples) : solve_in_lanes(samples);
-  }
-
-  double cost(const Essential& essential, double bound) const { return data_.cost(essential, options_.max_error_rad, bound); }
-
-  /// None when fewer inliers than a sample lie in front of both cameras.
-  std::optional<Pose> model_of(const Essential& essential) const {
-    const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> matrix(essential.data());
-    std::vector<std::size_t> inliers;
-    for (std::size_t i = 0; i < pairs_.size(); ++i) {
-      if (std::abs(epipolar_residual(pairs_[i].query, pairs_[i].match, matrix).angle()) < options_.max_error_rad)
-        inliers.push_back(i);
-    }
-    return most_in_front(poses_of(matrix), inliers);
-  }
-
-  /// Pairs behind a camera are as far off as can be: of a plane's two poses often one alone has all in front.
-  auto evaluator(const Pose& match_from_query) const {
-    return [this, essential = essential_matrix(match_from_query), rotation = match_from_query.rotation.toRotationMatrix(),
-            direction = match_from_query.translation](std::size_t i) {
-      const double angle = epipolar_residual(pairs_[i].query, pairs_[i].match, essential).angle();
-      const bool agrees = std::abs(angle) < options_.max_error_rad;
-      return agrees && !in_front_of_both(pairs_[i], rotation, direction, options_.max_error_rad) ? kPi : angle * angle;
-    };
-  }
-
-  Pose refine(const Pose& match_from_query, const std::vector<std::size_t>& inliers) const {
-    constexpr int kLocalSteps = 5;
-    const Pose refined = minimise(pairs_, inliers, match_from_query, kLocalSteps);
-    // A poor start may have had the right essential matrix nearby, but another of its poses in front of the cameras.
-    return most_in_front(poses_of(essential_matrix(refined)), inliers).value_or(refined);
-  }
-
- private:
-  std::optional<Pose> most_in_front(const std::array<Pose, 4>& poses, const std::vector<std::size_t>& inliers) const {
-    std::array<std::size_t, 4> in_front{};
-    for (std::size_t k = 0; k < poses.size(); ++k) {
-      const Eigen::Matrix3d rotation = poses[k].rotation.toRotationMatrix();
-      for (const std::size_t i : inliers)
-        in_front[k] += in_front_of_both(pairs_[i], rotation, poses[k].translation, options_.max_error_rad);
-    }
-    const auto most = std::max_element(in_front.begin(), in_front.end());
-    if (*most < kSampleSize) return std::nullopt;
-    return poses[static_cast<std::size_t>(most - in_front.begin())];
-  }
-
-  std::vector<Essential> solve_in_lanes(const Samples& samples) const {
-    FivePointSamples rays;
-    for (std::size_t lane = 0; lane < kBatchSize; ++lane) {
-      for (std::size_t i = 0; i < kSampleSize; ++i) {
-        const RayPair& pair = pairs_[samples[lane][i]];
-        for (Eigen::Index k = 0; k < 3; ++k) {
-          rays.query[i][static_cast<std::size_t>(k)][lane] = pair.query(k);
-          rays.match[i][static_cast<std::size_t>(k)][lane] = pair.match(k);
-        }
-      }
-    }
-    const FivePointSolutions solutions = five_point(rays);
-    std::vector<Essential> essentials;
-    essentials.reserve(kBatchSize * kMaxFivePointSolutions);
-    for (std::size_t lane = 0; lane < kBatchSize; ++lane) {
-      const auto& found = solutions.essentials[lane];
-      essentials.insert(essentials.end(), found.begin(), found.begin() + static_cast<std::ptrdiff_t>(solutions.count[lane]));
-    }
-    return essentials;
-  }
-
-  std::vector<Essential> solve_by_opengv(const Samples& samples) const {
-    std::vector<Essential> essentials;
-    for (const auto& sample : samples) {
-      opengv::bearingVectors_t match_rays, query_rays;
-      for (const std::size_t i : sample) {
-        match_rays.push_back(pairs_[i].match);
-        query_rays.push_back(pairs_[i].query);
-      }
-      opengv::relative_pose::CentralRelativeAdapter adapter(match_rays, query_rays);
-      // OpenGV's essential matrices satisfy match^T E query = 0.
-      for (const auto& essential : opengv::relative_pose::fivept_nister(adapter)) {
-        if (!essential.allFinite()) continue;
-        Essential rows;
-        Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data()) = essential;
-        essentials.push_back(rows);
-      }
-    }
-    return essentials;
-  }
-
-  std::span<const RayPair> pairs_;
-  const RelativePoseOptions& options_;
-  EpipolarData data_;
-};
-
-/// The noise of the pairs about a pose; those behind a camera are no inliers.
-InlierNoise noise_about(std::span<const RayPair> pairs, const Pose& match_from_query, double max_error_rad) {
-  const Eigen::Matrix3d essential = essential_matrix(match_from_query);
-  const Eigen::Matrix3d rotation = match_from_query.rotation.toRotationMatrix();
-  std::vector<double> residuals_rad(pairs.size());
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    residuals_rad[i] = epipolar_residual(pairs[i].query, pairs[i].match, essential).angle();
-    const bool agrees = std::abs(residuals_rad[i]) < max_error_rad;
-    if (agrees && !in_front_of_both(pairs[i], rotation, match_from_query.translation, max_error_rad)) {
-      residuals_rad[i] = kPi;
-    }
-  }
-  return estimate_inlier_noise(residuals_rad, max_error_rad, 5);
-}
 
 std::vector<std::size_t> where_possible(const std::vector<double>& p_true) {
   std::vector<std::size_t> indices;
@@ -225,24 +28,34 @@ std::vector<std::size_t> where_possible(const std::vector<double>& p_true) {
   return indices;
 }
 
+/// A pose and which pairs are true about it.
+struct Settled {
+  Pose match_from_query;
+  std::vector<double> residuals_rad;  ///< Of all pairs; pi for those behind a camera.
+  InlierNoise noise;
+  std::vector<std::size_t> inliers;
+};
+
 /// The inverse covariance of a refined pose: never more certain than the noise says, nor than the jackknife. A few accidental
 /// inliers where the true ones say little bend the pose to themselves; the residuals hardly show it, but without each of them the
 /// pose would be elsewhere. That covariance is H^-1 (sum w J J^T (r / (1 - h))^2) H^-1 with the leverages h = w J^T H^-1 J
 /// (MacKinnon & White 1985, HC3); in the directions where it is larger by more than luck, it counts.
-Matrix5d information_of(std::span<const RayPair> pairs, std::span<const std::size_t> inliers, const Pose& match_from_query,
-                        const InlierNoise& noise) {
+Matrix5d information_of(std::span<const RayPair> pairs, const Settled& settled) {
+  const InlierNoise& noise = settled.noise;
   const double variance = noise.sigma_rad * noise.sigma_rad;
-  const Matrix5d hessian = linearise(pairs, inliers, match_from_query, noise.p_true).hessian;
+  const EpipolarEquations equations = equations_of(pairs, settled.inliers, noise.p_true);
+  const Matrix5d hessian = linearise(equations, settled.match_from_query).hessian;
   const Eigen::LLT<Matrix5d> factor(hessian);
   if (factor.info() != Eigen::Success) return hessian / variance;
   constexpr double kMaxLeverage = 0.95;  // of a pair without which nothing would be known in some direction
+  const auto rows = equations.jacobian(frame_of(settled.match_from_query));
   Matrix5d scatter = Matrix5d::Zero();
-  for (const std::size_t i : inliers) {
-    const std::size_t index[] = {i};
-    const NormalEquations<5> one = linearise(pairs, index, match_from_query, noise.p_true);
-    const double leverage = std::min(kMaxLeverage, factor.solve(one.hessian).trace());
-    // gradient = w r J, so that its outer product over w is w r^2 J J^T.
-    scatter += one.gradient * one.gradient.transpose() / (noise.p_true[i] * (1 - leverage) * (1 - leverage));
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const Eigen::Map<const Vector5d> row(rows[k].data());
+    const double weight = noise.p_true[settled.inliers[k]];
+    const double leverage = std::min(kMaxLeverage, weight * factor.matrixL().solve(row).squaredNorm());
+    const double left_out = settled.residuals_rad[settled.inliers[k]] / (1 - leverage);
+    scatter += (weight * left_out * left_out) * row * row.transpose();
   }
   // In coordinates in which the model's covariance is the identity.
   const Matrix5d whitened = factor.matrixL().solve(factor.matrixL().solve(scatter).transpose()) / variance;
@@ -255,51 +68,68 @@ Matrix5d information_of(std::span<const RayPair> pairs, std::span<const std::siz
   return root * inflation.cwiseInverse().asDiagonal() * root.transpose() / variance;
 }
 
+Settled settled_at(const EpipolarEquations& equations, const Pose& match_from_query, double max_error_rad) {
+  Settled at{match_from_query, equations.angles(frame_of(match_from_query), max_error_rad), {}, {}};
+  at.noise = estimate_inlier_noise(at.residuals_rad, max_error_rad, 5);
+  at.inliers = where_possible(at.noise.p_true);
+  return at;
+}
+
 /// Refines by expectation maximisation: which pairs are true, and the pose that these tell, in turn.
-std::optional<RelativePose> finish(std::span<const RayPair> pairs, Pose match_from_query, const RelativePoseOptions& options,
-                                   int iterations) {
+std::optional<Settled> settle(std::span<const RayPair> pairs, const Pose& match_from_query, double max_error_rad) {
   constexpr int kRounds = 4;
   constexpr int kSteps = 20;
   constexpr std::size_t kMinInliers = 6;
-  InlierNoise noise = noise_about(pairs, match_from_query, options.max_error_rad);
-  std::vector<std::size_t> inliers = where_possible(noise.p_true);
-  for (int round = 0; round < kRounds && inliers.size() >= kMinInliers; ++round) {
-    match_from_query = minimise(pairs, inliers, match_from_query, kSteps, noise.p_true);
-    noise = noise_about(pairs, match_from_query, options.max_error_rad);
-    auto next = where_possible(noise.p_true);
-    const bool settled = round > 0 && next == inliers;
-    inliers = std::move(next);
-    if (settled) break;
+  const EpipolarEquations equations = equations_of(pairs);
+  Settled now = settled_at(equations, match_from_query, max_error_rad);
+  for (int round = 0; round < kRounds && now.inliers.size() >= kMinInliers; ++round) {
+    const Pose refined = minimise(equations_of(pairs, now.inliers, now.noise.p_true), now.match_from_query, kSteps);
+    Settled next = settled_at(equations, refined, max_error_rad);
+    const bool has_settled = round > 0 && next.inliers == now.inliers;
+    now = std::move(next);
+    if (has_settled) break;
   }
-  if (inliers.size() < kMinInliers) return std::nullopt;
+  if (now.inliers.size() < kMinInliers) return std::nullopt;
+  return now;
+}
+
+RelativePose relative_pose_of(std::span<const RayPair> pairs, Settled settled, int iterations) {
   RelativePose result;
-  result.match_from_query = match_from_query;
-  result.direction_basis = tangent_basis(match_from_query.translation);
-  result.information = information_of(pairs, inliers, match_from_query, noise);
-  result.noise_rad = noise.sigma_rad;
-  result.num_true = noise.num_true;
-  result.inliers = std::move(inliers);
+  result.match_from_query = settled.match_from_query;
+  result.direction_basis = direction_axes(settled.match_from_query.translation);
+  result.information = information_of(pairs, settled);
+  result.noise_rad = settled.noise.sigma_rad;
+  result.num_true = settled.noise.num_true;
+  result.inliers = std::move(settled.inliers);
   result.iterations = iterations;
   return result;
 }
 
+/// Whether the pairs speak for the one rather than the other, among as many accidental ones as either leaves.
+bool is_likelier(const Settled& one, const Settled& other, double max_error_rad) {
+  const double one_pair = 1.0 / max_error_rad;
+  const double floor = std::max(one_pair, 0.5 * (one.noise.floor + other.noise.floor));
+  return log_likelihood_over_floor(one.residuals_rad, one.noise, floor) >
+         log_likelihood_over_floor(other.residuals_rad, other.noise, floor);
+}
+
 /// The pose or one that most of its inliers lie closer to. Where views overlap little, poses many degrees apart have the same
 /// pairs within the threshold, and the sum of truncated squares hardly tells which is right; the noise does.
-RelativePose sharper_of(std::span<const RayPair> pairs, RelativePose found, const RelativePoseOptions& options) {
+Settled sharper_of(std::span<const RayPair> pairs, Settled found, const RelativePoseOptions& options) {
   constexpr double kSharper = 0.25;
+  constexpr double kConfidence = 0.95;  // there is a pose already, and few of its inliers agree so closely
   constexpr int kMaxIterations = 200;
   constexpr double kSharpEnough = 0.1;
-  if (found.noise_rad < kSharpEnough * options.max_error_rad) return found;
+  if (found.noise.sigma_rad < kSharpEnough * options.max_error_rad) return found;
   std::vector<RayPair> inliers;
   for (const std::size_t i : found.inliers) inliers.push_back(pairs[i]);
   RelativePoseOptions sharper = options;
   sharper.max_error_rad *= kSharper;
   const RelativePoseProblem problem(inliers, sharper);
-  const auto best = ransac(problem, {sharper.max_error_rad, options.confidence, kMaxIterations, options.seed, 0});
+  const auto best = ransac(problem, {sharper.max_error_rad, kConfidence, kMaxIterations, options.seed, 0});
   if (!best) return found;
-  auto rival = finish(pairs, best->model, options, found.iterations + best->iterations);
-  const bool is_better = rival && log_likelihood(*rival, options.max_error_rad) > log_likelihood(found, options.max_error_rad);
-  return is_better ? std::move(*rival) : found;
+  auto rival = settle(pairs, best->model, options.max_error_rad);
+  return rival && is_likelier(*rival, found, options.max_error_rad) ? std::move(*rival) : found;
 }
 
 }  // namespace
@@ -309,9 +139,9 @@ std::optional<RelativePose> estimate_relative_pose(std::span<const RayPair> pair
   const auto best =
       ransac(problem, {options.max_error_rad, options.confidence, options.max_iterations, options.seed, options.min_inliers});
   if (!best) return std::nullopt;
-  auto found = finish(pairs, best->model, options, best->iterations);
-  if (found) found = sharper_of(pairs, std::move(*found), options);
-  return found;
+  auto settled = settle(pairs, best->model, options.max_error_rad);
+  if (!settled) return std::nullopt;
+  return relative_pose_of(pairs, sharper_of(pairs, std::move(*settled), options), best->iterations);
 }
 
 double log_likelihood(const RelativePose& relative, double max_error_rad) {
@@ -322,7 +152,9 @@ double log_likelihood(const RelativePose& relative, double max_error_rad) {
 std::optional<RelativePose> refine_relative_pose(std::span<const RayPair> pairs, const Pose& match_from_query,
                                                  const RelativePoseOptions& options) {
   if (match_from_query.translation.norm() < 1e-12) return std::nullopt;
-  return finish(pairs, {match_from_query.rotation, match_from_query.translation.normalized()}, options, 0);
+  auto settled = settle(pairs, {match_from_query.rotation, match_from_query.translation.normalized()}, options.max_error_rad);
+  if (!settled) return std::nullopt;
+  return relative_pose_of(pairs, std::move(*settled), 0);
 }
 
 RotationFit fit_rotation(std::span<const RayPair> pairs, std::span<const std::size_t> indices, double max_error_rad) {

@@ -7,6 +7,8 @@
 #include <opengv/relative_pose/RelativeAdapterBase.hpp>
 #include <opengv/relative_pose/methods.hpp>
 
+#include "verification/essential_poses.h"
+
 namespace fabloop {
 
 /// OpenGV's view of the pairs: viewpoint 1 is the match, 2 the query, and every ray is a camera of its own in the body's axes.
@@ -43,21 +45,14 @@ bool in_front(const RigRayPair& pair, const Eigen::Matrix3d& rotation, const Eig
   return meets_in_front(central, {rotation, baseline}, 0.0);
 }
 
-/// The four decompositions of E = [b]x R (Hartley & Zisserman 2004, result 9.19) that see the whole sample in front.
+/// The decompositions of E = [b]x R that see the whole sample in front.
 void append_motions(const Eigen::Matrix3d& essential, std::span<const RigRayPair> pairs, std::span<const std::size_t> sample,
                     std::vector<BodyMotion>& motions) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(essential, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Matrix3d u = svd.matrixU() * (svd.matrixU().determinant() < 0 ? -1.0 : 1.0);
-  const Eigen::Matrix3d v = svd.matrixV() * (svd.matrixV().determinant() < 0 ? -1.0 : 1.0);
-  const Eigen::Matrix3d w = (Eigen::Matrix3d() << 0, -1, 0, 1, 0, 0, 0, 0, 1).finished();
-  for (const Eigen::Matrix3d& rotation :
-       {Eigen::Matrix3d(u * w * v.transpose()), Eigen::Matrix3d(u * w.transpose() * v.transpose())}) {
-    for (const double sign : {1.0, -1.0}) {
-      const Eigen::Vector3d baseline = sign * u.col(2);
-      const bool seen =
-          std::all_of(sample.begin(), sample.end(), [&](std::size_t i) { return in_front(pairs[i], rotation, baseline); });
-      if (seen) motions.push_back({rotation, baseline});
-    }
+  for (const Pose& pose : essential_poses(essential)) {
+    const Eigen::Matrix3d rotation = pose.rotation.toRotationMatrix();
+    const bool seen =
+        std::all_of(sample.begin(), sample.end(), [&](std::size_t i) { return in_front(pairs[i], rotation, pose.translation); });
+    if (seen) motions.push_back({rotation, pose.translation});
   }
 }
 

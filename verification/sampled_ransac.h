@@ -26,10 +26,11 @@ std::optional<RansacResult<typename Problem::Model>> sampled_ransac(const Proble
   std::optional<RansacResult<Model>> best;
   double best_cost = std::numeric_limits<double>::infinity();
   const auto consider = [&](const Model& model) {
-    const double cost = msac_cost(problem, model, options.max_error_rad, best_cost);
+    const auto evaluate = problem.evaluator(model);
+    const double cost = truncated_cost(problem.size(), evaluate, options.max_error_rad, best_cost);
     if (cost >= best_cost) return false;
     best_cost = cost;
-    best = {model, inliers_of(problem, model, options.max_error_rad), 0};
+    best = {model, agreeing(problem.size(), evaluate, options.max_error_rad), 0};
     return true;
   };
   double needed = options.max_iterations;

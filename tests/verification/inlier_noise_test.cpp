@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 #include <vector>
 
 namespace fabloop {
@@ -37,19 +39,36 @@ TEST(InlierNoise, TellsTheNoiseOfTheTrueOnes) {
   }
 }
 
-TEST(InlierNoise, ProbabilitiesAreCalibrated) {
-  double claimed = 0, counted = 0;
-  for (std::uint64_t seed = 0; seed < 20; ++seed) {
-    const auto data = residuals(300, 6000, 0.001, seed);
-    const InlierNoise noise = estimate_inlier_noise(data.values, kGateRad, 0);
-    for (std::size_t i = 0; i < data.values.size(); ++i) {
-      if (noise.p_true[i] < 0.2 || noise.p_true[i] > 0.8) continue;
-      claimed += noise.p_true[i];
-      counted += data.is_true[i];
-    }
+/// Sorted by a score that is better for true ones by `gap` of its standard deviations: 0 for an order that says nothing.
+Residuals sorted_by_score(const Residuals& data, double gap, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  std::vector<std::pair<double, std::size_t>> scores;
+  for (std::size_t i = 0; i < data.values.size(); ++i) scores.emplace_back(normal(random) + (data.is_true[i] ? 0 : gap), i);
+  std::sort(scores.begin(), scores.end());
+  Residuals sorted;
+  for (const auto& [score, i] : scores) {
+    sorted.values.push_back(data.values[i]);
+    sorted.is_true.push_back(data.is_true[i]);
   }
-  EXPECT_GT(claimed, 100);
-  EXPECT_NEAR(counted / claimed, 1.0, 0.1);
+  return sorted;
+}
+
+TEST(InlierNoise, ProbabilitiesAreCalibratedWhateverTheOrderSays) {
+  for (const double gap : {0.0, 2.0}) {
+    double claimed = 0, counted = 0;
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+      const auto data = sorted_by_score(residuals(300, 6000, 0.001, seed), gap, seed);
+      const InlierNoise noise = estimate_inlier_noise(data.values, kGateRad, 0);
+      for (std::size_t i = 0; i < data.values.size(); ++i) {
+        if (noise.p_true[i] < 0.2 || noise.p_true[i] > 0.8) continue;
+        claimed += noise.p_true[i];
+        counted += data.is_true[i];
+      }
+    }
+    EXPECT_GT(claimed, 100) << gap;
+    EXPECT_NEAR(counted / claimed, 1.0, 0.1) << gap;
+  }
 }
 
 TEST(InlierNoise, WithoutOutliersAllAreTrue) {
@@ -65,6 +84,38 @@ TEST(InlierNoise, ParametersCostFreedom) {
 }
 
 TEST(InlierNoise, OfNothingIsNothing) { EXPECT_EQ(estimate_inlier_noise({}, kGateRad, 5).num_true, 0); }
+
+TEST(InlierNoise, APairAmongTrueOnesIsLikelierTrue) {
+  auto data = residuals(60, 2000, 0.001, 5);  // the true ones come first
+  data.values[30] = data.values[1500] = 0.002;
+  const InlierNoise noise = estimate_inlier_noise(data.values, kGateRad, 0);
+  EXPECT_GT(noise.p_true[30], 0.5);
+  EXPECT_LT(noise.p_true[1500], 0.3);
+}
+
+TEST(InlierNoise, LikelihoodPrefersMorePairsToAFewThatLieCloser) {
+  // Of 25 true pairs with a noise of a third of the threshold, another model has half, bent to lie closer.
+  auto more = residuals(25, 0, kGateRad / 3, 7).values;
+  auto closer = residuals(12, 0, kGateRad / 12, 8).values;
+  const auto accidental = residuals(0, 175, 1, 9).values;
+  closer.resize(25, 0.1);
+  for (auto* values : {&more, &closer}) values->insert(values->end(), accidental.begin(), accidental.end());
+  const InlierNoise of_more = estimate_inlier_noise(more, kGateRad, 5);
+  const InlierNoise of_closer = estimate_inlier_noise(closer, kGateRad, 5);
+  const double floor = 1.0 / kGateRad;
+  EXPECT_GT(of_closer.num_true * std::log(kGateRad / of_closer.sigma_rad), of_more.num_true * std::log(kGateRad / of_more.sigma_rad));
+  EXPECT_GT(log_likelihood_over_floor(more, of_more, floor), log_likelihood_over_floor(closer, of_closer, floor));
+}
+
+TEST(InlierNoise, LikelihoodPrefersTheSharperOfTwoModelsWithAsManyPairs) {
+  const auto wide = residuals(40, 0, 0.0015, 11).values;
+  auto sharp = wide;
+  for (double& value : sharp) value *= 0.5;
+  const InlierNoise of_wide = estimate_inlier_noise(wide, kGateRad, 5);
+  const InlierNoise of_sharp = estimate_inlier_noise(sharp, kGateRad, 5);
+  const double floor = 1.0 / kGateRad;
+  EXPECT_GT(log_likelihood_over_floor(sharp, of_sharp, floor), log_likelihood_over_floor(wide, of_wide, floor));
+}
 
 }  // namespace
 }  // namespace fabloop
