@@ -29,6 +29,9 @@ constexpr std::array<Named<EdgeVerdict>, 5> kVerdicts{{{EdgeVerdict::Trusted, "T
 /// Back ends that choose leave weights of 0 and 1.
 constexpr double kKeptWeight = 0.5;
 
+/// Of the last solve of a graduation that is refined.
+constexpr double kToleranceBeforeRefinement = 1e-4;
+
 /// What each edge is before anything is solved.
 struct Roles {
   std::vector<EdgeVerdict> forced;  ///< Trusted, ForcedAccept or ForcedReject; Kept where it is to be decided.
@@ -159,7 +162,10 @@ Solution solve_graduated(PoseGraph& graph, const Roles& roles, const RobustOptio
     return {std::move(result.last_solve), std::move(result.weights), result.num_solves};
   }
   PoseGraph judged = with_noise(graph, factors_of_objective(options.optimize.objective, graph.dimension));
-  GraduatedResult result = graduate(judged, problem, options.optimize);
+  // What follows begins with a solve of its own.
+  OptimizeOptions rough = options.optimize;
+  rough.cost_tolerance = std::max(rough.cost_tolerance, kToleranceBeforeRefinement);
+  GraduatedResult result = graduate(judged, problem, rough);
   graph.vertices = std::move(judged.vertices);
   RefinedChoice refined = refine_choice(graph, std::move(result.weights), roles.is_doubted, options);
   const EdgeWeights edges{refined.weights, std::vector<bool>(graph.edges.size(), false)};
