@@ -7,10 +7,10 @@
 
 namespace fabloop {
 
-/// The chi-square at which an edge between such vertices is as likely false as right, one an edge. A right one errs by its covariance
-/// (isotropic, with the traces of its blocks). A false one says of two places of the map, whichever they are, that they are near, so that its translation errs as places differ:
-/// with twice the covariance of positions; its rotation may be any. For errors small beside the map, the ratio of the two
-/// densities is one where
+/// The chi-square at which an edge between its vertices is as likely false as right, one an edge. A right one errs by its
+/// covariance (isotropic, with the traces of its blocks). A false one says that two places of the map, whichever they are, are
+/// near, so that its translation errs as places differ: with twice the covariance of positions; its rotation may be any. For
+/// errors small beside the map, the two densities are equal where
 ///
 ///   chi2 = ln det(2 C + S_t) / det S_t + 2 ln(8 pi^2) - ln det(2 pi S_r) + 2 ln((1 - p_false) / p_false)
 ///
