@@ -15,19 +15,20 @@ namespace {
 constexpr double kEigenvalueRounding = 1e-9;
 
 /// Up to 3 x 3, without memory of its own: every solve asks for two an edge.
-using Block = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 3, 3>;
+using InformationBlock = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 3, 3>;
 
 /// tr(block^-1), or 0 where there is no inverse.
-double trace_of_inverse(const Block& block) {
-  const Eigen::FullPivLU<Block> lu(block);
+double trace_of_inverse(const InformationBlock& block) {
+  const Eigen::FullPivLU<InformationBlock> lu(block);
   return lu.isInvertible() ? lu.inverse().trace() : 0.0;
 }
 
 }  // namespace
 
 ChordalWeights chordal_weights(const Edge& edge, int dimension) {
-  const Block rotation = dimension == 2 ? Block(edge.information.block<1, 1>(5, 5)) : Block(edge.information.block<3, 3>(3, 3));
-  Block translation = edge.information.topLeftCorner(dimension, dimension);
+  const InformationBlock rotation = dimension == 2 ? InformationBlock(edge.information.block<1, 1>(5, 5))
+                                                   : InformationBlock(edge.information.block<3, 3>(3, 3));
+  InformationBlock translation = edge.information.topLeftCorner(dimension, dimension);
   if (!edge.has_scale) {
     const Eigen::Matrix<double, 3, 2> basis =
         tangent_basis(edge.from_from_to.rotation.conjugate() * edge.from_from_to.translation.normalized());

@@ -9,13 +9,13 @@ namespace fabloop {
 namespace {
 
 const std::vector<EdgeKind> kJudgedLoops = {EdgeKind::Loop};
-constexpr double kProbability = 0.999;
+constexpr double kAgreeProbability = 0.999;
 
 /// Errors twice those shown are allowed.
 constexpr double kAllowed = 4.0;
 
 /// A variance known from forty errors of an axis more than unknowns, to 6.33 standard deviations as in noise_factors_test.cpp.
-constexpr double kSpread = 1.42;
+constexpr double kVarianceSpread = 1.42;
 
 PoseGraph laps_with_false_groups(std::uint32_t seed, double factor) {
   test::CircleOptions options;
@@ -43,16 +43,16 @@ TEST(ConsensusNoise, IsThatOfTheRightLoopsAmongGroupsOfFalseOnes) {
   constexpr double kFactor = 900.0;
   for (std::uint32_t seed = 1; seed <= 3; ++seed) {
     const PoseGraph graph = laps_with_false_groups(seed, kFactor);
-    const auto noise = consensus_noise(graph, LoopConsistency(graph, kJudgedLoops, kProbability), kJudgedLoops, {});
+    const auto noise = consensus_noise(graph, LoopConsistency(graph, kJudgedLoops, kAgreeProbability), kJudgedLoops, {});
     ASSERT_TRUE(noise);
-    EXPECT_NEAR(noise->translation * kFactor / kAllowed, 1.0, kSpread);
-    EXPECT_NEAR(noise->rotation * kFactor / kAllowed, 1.0, kSpread);
+    EXPECT_NEAR(noise->translation * kFactor / kAllowed, 1.0, kVarianceSpread);
+    EXPECT_NEAR(noise->rotation * kFactor / kAllowed, 1.0, kVarianceSpread);
   }
 }
 
 TEST(ConsensusNoise, NeverAllowsMoreThanIsTold) {
   const PoseGraph graph = laps_with_false_groups(1, 0.8);
-  const auto noise = consensus_noise(graph, LoopConsistency(graph, kJudgedLoops, kProbability), kJudgedLoops, {});
+  const auto noise = consensus_noise(graph, LoopConsistency(graph, kJudgedLoops, kAgreeProbability), kJudgedLoops, {});
   ASSERT_TRUE(noise);
   EXPECT_EQ(noise->translation, 1.0);
   EXPECT_EQ(noise->rotation, 1.0);
@@ -61,7 +61,7 @@ TEST(ConsensusNoise, NeverAllowsMoreThanIsTold) {
 TEST(ConsensusNoise, TakesTwoLoopsThatAgree) {
   PoseGraph graph = laps_with_false_groups(1, 1.0);
   std::erase_if(graph.edges, [](const Edge& edge) { return edge.kind == EdgeKind::Loop; });
-  EXPECT_FALSE(consensus_noise(graph, LoopConsistency(graph, kJudgedLoops, kProbability), kJudgedLoops, {}));
+  EXPECT_FALSE(consensus_noise(graph, LoopConsistency(graph, kJudgedLoops, kAgreeProbability), kJudgedLoops, {}));
 }
 
 }  // namespace
