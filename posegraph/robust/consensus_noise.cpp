@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "posegraph/robust/loop_clusters.h"
+#include "posegraph/robust/noise_factors.h"
 #include "posegraph/robust/sure_path.h"
 #include "posegraph/robust/weighted_solve.h"
 
@@ -15,12 +16,10 @@ constexpr double kVarianceMargin = 4.0;
 
 constexpr double kRoughTolerance = 1e-4;
 
-double with_margin(double factor) { return std::min(1.0, kVarianceMargin * factor); }
-
 }  // namespace
 
-std::optional<NoiseFactors> consensus_noise(const PoseGraph& graph, const LoopConsistency& loops,
-                                            const std::vector<EdgeKind>& doubted, const OptimizeOptions& optimize) {
+std::optional<double> consensus_rotation_factor(const PoseGraph& graph, const LoopConsistency& loops,
+                                                const std::vector<EdgeKind>& doubted, const OptimizeOptions& optimize) {
   const SurePaths paths(graph, doubted);
   for (const std::vector<std::size_t>& cluster : cluster_loops(loops)) {
     if (cluster.size() < 2) break;
@@ -35,7 +34,7 @@ std::optional<NoiseFactors> consensus_noise(const PoseGraph& graph, const LoopCo
     PoseGraph closed = graph;
     solve_weighted(closed, edges, rough);
     const NoiseFactors shown = estimate_noise(closed, edges.weights, optimize.objective);
-    return NoiseFactors{with_margin(shown.translation), with_margin(shown.rotation)};
+    return std::min(1.0, kVarianceMargin * shown.rotation);
   }
   return std::nullopt;
 }
