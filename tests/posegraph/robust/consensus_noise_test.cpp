@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "posegraph/robust/noise_factors.h"
 #include "tests/posegraph/synthetic_graph.h"
 
 namespace fabloop {
