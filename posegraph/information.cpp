@@ -14,18 +14,21 @@ namespace {
 /// Files print 6 digits or more, so a zero eigenvalue comes back as one this small beside the largest.
 constexpr double kEigenvalueRounding = 1e-9;
 
+/// Up to 3 x 3, without memory of its own: every solve asks for two an edge.
+using InformationBlock = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 3, 3>;
+
 /// tr(block^-1), or 0 where there is no inverse.
-double trace_of_inverse(const Eigen::MatrixXd& block) {
-  const Eigen::FullPivLU<Eigen::MatrixXd> lu(block);
+double trace_of_inverse(const InformationBlock& block) {
+  const Eigen::FullPivLU<InformationBlock> lu(block);
   return lu.isInvertible() ? lu.inverse().trace() : 0.0;
 }
 
 }  // namespace
 
 ChordalWeights chordal_weights(const Edge& edge, int dimension) {
-  const Eigen::MatrixXd rotation =
-      dimension == 2 ? Eigen::MatrixXd(edge.information.block<1, 1>(5, 5)) : edge.information.block<3, 3>(3, 3);
-  Eigen::MatrixXd translation = edge.information.topLeftCorner(dimension, dimension);
+  const InformationBlock rotation = dimension == 2 ? InformationBlock(edge.information.block<1, 1>(5, 5))
+                                                   : InformationBlock(edge.information.block<3, 3>(3, 3));
+  InformationBlock translation = edge.information.topLeftCorner(dimension, dimension);
   if (!edge.has_scale) {
     const Eigen::Matrix<double, 3, 2> basis =
         tangent_basis(edge.from_from_to.rotation.conjugate() * edge.from_from_to.translation.normalized());

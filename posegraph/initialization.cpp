@@ -18,6 +18,9 @@ namespace {
 /// Part of the largest weight that an edge has at least, so that a vertex joined by edges without information has a place.
 constexpr double kMinRelativeWeight = 1e-9;
 
+/// Up to 3 x 3, without memory of its own.
+using SmallBlock = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 3, 3>;
+
 /// Least squares over one block of unknown rows for each free vertex: sum of w |Y_j - A Y_i - B|^2.
 class BlockSystem {
  public:
@@ -33,15 +36,15 @@ class BlockSystem {
   }
 
   /// Held blocks are read from `values`, one block of rows a vertex.
-  void add(const Edge& edge, double weight, const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, const Eigen::MatrixXd& values) {
+  void add(const Edge& edge, double weight, const SmallBlock& a, const SmallBlock& b, const Eigen::MatrixXd& values) {
     const int i = position_[edge.from];
     const int j = position_[edge.to];
     const auto held = [&](std::size_t v) { return values.middleRows(static_cast<Eigen::Index>(v) * num_rows_, num_rows_); };
     if (i != kHeld) add_block(i, i, weight * a.transpose() * a);
-    if (j != kHeld) add_block(j, j, weight * Eigen::MatrixXd::Identity(num_rows_, num_rows_));
+    if (j != kHeld) add_block(j, j, weight * SmallBlock::Identity(num_rows_, num_rows_));
     if (i != kHeld && j != kHeld) i > j ? add_block(i, j, -weight * a.transpose()) : add_block(j, i, -weight * a);
-    const Eigen::MatrixXd known_j = j == kHeld ? Eigen::MatrixXd(held(edge.to) - b) : Eigen::MatrixXd(-b);
-    const Eigen::MatrixXd known_i = i == kHeld ? Eigen::MatrixXd(b + a * held(edge.from)) : b;
+    const SmallBlock known_j = j == kHeld ? SmallBlock(held(edge.to) - b) : SmallBlock(-b);
+    const SmallBlock known_i = i == kHeld ? SmallBlock(b + a * held(edge.from)) : b;
     if (i != kHeld) right_.middleRows(i, num_rows_) += weight * a.transpose() * known_j;
     if (j != kHeld) right_.middleRows(j, num_rows_) += weight * known_i;
   }
@@ -65,7 +68,7 @@ class BlockSystem {
   static constexpr int kHeld = -1;
 
   /// Lower triangle only.
-  void add_block(int row, int column, const Eigen::MatrixXd& block) {
+  void add_block(int row, int column, const SmallBlock& block) {
     for (int r = 0; r < num_rows_; ++r) {
       const int last = row == column ? r : num_rows_ - 1;
       for (int c = 0; c <= last; ++c) {
@@ -117,9 +120,9 @@ void solve_rotations(PoseGraph& graph, const std::vector<std::size_t>& anchors, 
         graph.vertices[v].world_from_frame.rotation.toRotationMatrix().topLeftCorner(d, d).transpose();
   }
   BlockSystem system(graph.vertices.size(), anchors, d, d);
-  const Eigen::MatrixXd zero = Eigen::MatrixXd::Zero(d, d);
+  const SmallBlock zero = SmallBlock::Zero(d, d);
   for (std::size_t e = 0; e < graph.edges.size(); ++e) {
-    const Eigen::MatrixXd j_from_i = graph.edges[e].from_from_to.rotation.toRotationMatrix().topLeftCorner(d, d).transpose();
+    const SmallBlock j_from_i = graph.edges[e].from_from_to.rotation.toRotationMatrix().topLeftCorner(d, d).transpose();
     system.add(graph.edges[e], kappa[e], j_from_i, zero, transposed);
   }
   system.solve(transposed);
@@ -142,7 +145,7 @@ void solve_translations(PoseGraph& graph, const std::vector<std::size_t>& anchor
     translations.row(static_cast<Eigen::Index>(v)) = graph.vertices[v].world_from_frame.translation.transpose();
   }
   BlockSystem system(graph.vertices.size(), anchors, 1, 3);
-  const Eigen::MatrixXd one = Eigen::MatrixXd::Ones(1, 1);
+  const SmallBlock one = SmallBlock::Ones(1, 1);
   for (std::size_t e = 0; e < graph.edges.size(); ++e) {
     const Edge& edge = graph.edges[e];
     const Pose& world_from_i = graph.vertices[edge.from].world_from_frame;

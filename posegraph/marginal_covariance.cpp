@@ -10,7 +10,8 @@
 
 #include "frontend/error.h"
 #include "posegraph/connectivity.h"
-#include "posegraph/residuals/residuals.h"
+#include "posegraph/residuals/graph_costs.h"
+#include "posegraph/solver_state.h"
 
 namespace fabloop {
 namespace {
@@ -29,31 +30,18 @@ Eigen::Matrix<double, 4, 3> quaternion_from_error(const Eigen::Quaterniond& q) {
 }
 
 /// Jacobians of an edge's residual by the errors of its two ends: (translation, rotation) in their own frames, or (x, y, yaw).
-std::array<Eigen::MatrixXd, 2> jacobians_of(const PoseGraph& graph, const Edge& edge, Objective objective) {
-  const auto residual = residuals::make_residual(edge, graph.dimension, objective);
-  const int rows = residual->num_residuals();
+std::array<Eigen::MatrixXd, 2> jacobians_of(const PoseGraph& graph, std::size_t e, const GraphCosts& costs,
+                                            std::vector<State>& states) {
+  const Edge& edge = graph.edges[e];
+  const ceres::CostFunction& residual = *costs.edge_residuals()[e];
+  std::vector<RowMatrix> by_block;
+  for (const int size : residual.parameter_block_sizes()) by_block.emplace_back(residual.num_residuals(), size);
+  std::vector<double*> outputs;
+  for (RowMatrix& block : by_block) outputs.push_back(block.data());
+  Eigen::VectorXd error(residual.num_residuals());
+  residual.Evaluate(blocks_of(edge, graph.dimension, states).data(), error.data(), outputs.data());
   const std::array<const Pose*, 2> poses = {&graph.vertices[edge.from].world_from_frame,
                                             &graph.vertices[edge.to].world_from_frame};
-  std::vector<Eigen::VectorXd> values;
-  for (const Pose* pose : poses) {
-    if (graph.dimension == 2) {
-      const double yaw = 2.0 * std::atan2(pose->rotation.z(), pose->rotation.w());
-      values.emplace_back(Eigen::Vector3d(pose->translation.x(), pose->translation.y(), yaw));
-    } else {
-      values.emplace_back(pose->rotation.coeffs());
-      values.emplace_back(pose->translation);
-    }
-  }
-  std::vector<RowMatrix> by_block;
-  for (const Eigen::VectorXd& value : values) by_block.emplace_back(rows, value.size());
-  std::vector<const double*> parameters;
-  std::vector<double*> outputs;
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    parameters.push_back(values[k].data());
-    outputs.push_back(by_block[k].data());
-  }
-  Eigen::VectorXd error(rows);
-  residual->Evaluate(parameters.data(), error.data(), outputs.data());
   std::array<Eigen::MatrixXd, 2> result;
   for (std::size_t end = 0; end < 2; ++end) {
     const Eigen::Matrix3d rotation = poses[end]->rotation.toRotationMatrix();
@@ -61,7 +49,7 @@ std::array<Eigen::MatrixXd, 2> jacobians_of(const PoseGraph& graph, const Edge& 
       result[end] = by_block[end];
       result[end].leftCols<2>() = by_block[end].leftCols<2>() * rotation.topLeftCorner<2, 2>();
     } else {
-      result[end].resize(rows, 6);
+      result[end].resize(error.size(), 6);
       result[end].leftCols<3>() = by_block[2 * end + 1] * rotation;
       result[end].rightCols<3>() = by_block[2 * end] * quaternion_from_error(poses[end]->rotation);
     }
@@ -72,11 +60,13 @@ std::array<Eigen::MatrixXd, 2> jacobians_of(const PoseGraph& graph, const Edge& 
 /// Gauss-Newton's information matrix over the vertices that are free; `column` is where each begins.
 SparseMatrix information_of(const PoseGraph& graph, const std::vector<std::size_t>& column, Eigen::Index size,
                             const OptimizeOptions& options) {
-  const std::vector<EdgeResult> results = evaluate_edges(graph, options);
+  const GraphCosts costs(graph, options);
+  std::vector<State> states = read_states(graph);
+  const std::vector<EdgeResult> results = costs.evaluate_edges(states);
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t e = 0; e < graph.edges.size(); ++e) {
     const Edge& edge = graph.edges[e];
-    const std::array<Eigen::MatrixXd, 2> by_end = jacobians_of(graph, edge, options.objective);
+    const std::array<Eigen::MatrixXd, 2> by_end = jacobians_of(graph, e, costs, states);
     const std::array<std::size_t, 2> columns = {column[edge.from], column[edge.to]};
     for (std::size_t a = 0; a < 2; ++a) {
       for (std::size_t b = 0; b < 2; ++b) {

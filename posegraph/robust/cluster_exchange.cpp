@@ -2,40 +2,25 @@
 #include "posegraph/robust/cluster_exchange.h"
 
 #include <algorithm>
+#include <set>
 #include <utility>
 
 #include "posegraph/robust/loop_clusters.h"
 #include "posegraph/robust/sure_path.h"
-#include "posegraph/robust/weighted_solve.h"
 
 namespace fabloop {
 namespace {
-
-/// Alternations of choice and solve after an exchange, and how far each solve goes.
-constexpr int kMaxSettling = 10;
-constexpr int kIterationsOfTrial = 20;
-constexpr double kToleranceOfTrial = 1e-4;
 
 /// The truncated cost must fall by more than solves this rough may err, in parts of it.
 constexpr double kLeastGain = 1e-3;
 
 using Cluster = std::vector<std::size_t>;  ///< Positions of edges in the graph.
 
-/// Poses with a choice of loops.
-struct Choice {
-  std::vector<Vertex> vertices;
-  std::vector<double> weights, chi2;
-  double cost = 0.0;
-};
-
 class Exchange {
  public:
   Exchange(PoseGraph& graph, const TruncatedProblem& problem, const LoopConsistency& loops, const std::vector<EdgeKind>& doubted,
            const OptimizeOptions& optimize, const ClusterExchangeOptions& options)
       : graph_(graph), problem_(problem), loops_(loops), doubted_(doubted), optimize_(optimize), options_(options) {
-    optimize_.robust_loss = RobustLoss::None;
-    optimize_.max_iterations = std::min(optimize_.max_iterations, kIterationsOfTrial);
-    optimize_.cost_tolerance = kToleranceOfTrial;
     for (const Cluster& members : cluster_loops(loops)) {
       clusters_.emplace_back();
       for (const std::size_t k : members) {
@@ -45,7 +30,7 @@ class Exchange {
   }
 
   ClusterExchange run() {
-    best_ = settle({graph_.vertices, problem_.weights, {}, 0.0}, Initialization::AsGiven);
+    best_ = settled({graph_.vertices, problem_.weights, {}, 0.0, 0}, Initialization::AsGiven);
     for (std::size_t round = 0; round < options_.max_rounds; ++round) {
       const bool has_let_in = let_in();
       const bool has_left_out = leave_out();
@@ -58,40 +43,28 @@ class Exchange {
   }
 
  private:
-  /// Solves and chooses in turns until the choice stays.
-  Choice settle(Choice choice, Initialization initialization) {
-    EdgeWeights edges{std::move(choice.weights), std::vector<bool>(graph_.edges.size(), false)};
-    graph_.vertices = std::move(choice.vertices);
-    for (int k = 0; k < kMaxSettling; ++k) {
-      OptimizeOptions options = optimize_;
-      options.initialization = k == 0 ? initialization : Initialization::AsGiven;
-      solve_weighted(graph_, edges, options);
-      ++result_.num_solves;
-      choice.chi2 = evaluate_chi2(graph_, optimize_.objective);
-      bool has_changed = false;
-      for (std::size_t e = 0; e < choice.chi2.size(); ++e) {
-        if (!problem_.is_doubted[e]) continue;
-        const double weight = choice.chi2[e] <= problem_.c2[e] ? 1.0 : 0.0;
-        has_changed = has_changed || weight != edges.weights[e];
-        edges.weights[e] = weight;
-      }
-      if (!has_changed) break;
-    }
-    choice.vertices = graph_.vertices;
-    choice.weights = std::move(edges.weights);
-    choice.cost = 0.0;
-    for (std::size_t e = 0; e < choice.chi2.size(); ++e) {
-      choice.cost += problem_.is_doubted[e] ? std::min(choice.chi2[e], problem_.c2[e]) : choice.weights[e] * choice.chi2[e];
-    }
-    return choice;
+  TruncatedChoice settled(const TruncatedChoice& start, Initialization initialization) {
+    graph_.vertices = start.vertices;
+    TruncatedProblem problem = problem_;
+    problem.weights = start.weights;
+    OptimizeOptions options = optimize_;
+    options.initialization = initialization;
+    TruncatedChoice result = settle(graph_, problem, options, best_.weights);
+    result_.num_solves += result.num_solves;
+    return result;
   }
 
   /// The best choice so far with some loops (positions in `loops_`) changed; taken over where the cost falls.
-  bool try_with(const std::vector<std::size_t>& members, double weight, Initialization initialization) {
-    Choice trial = best_;
+  /// What failed once is not tried again: other clusters that changed place since seldom make it better.
+  bool try_with(const Cluster& members, double weight, Initialization initialization) {
+    if (failed_.count({members, weight}) > 0) return false;
+    TruncatedChoice trial = best_;
     for (const std::size_t k : members) trial.weights[loops_.edges()[k]] = weight;
-    trial = settle(std::move(trial), initialization);
-    if (trial.cost >= (1.0 - kLeastGain) * best_.cost) return false;
+    trial = settled(trial, initialization);
+    if (trial.weights == best_.weights || trial.cost >= (1.0 - kLeastGain) * best_.cost) {
+      failed_.emplace(members, weight);
+      return false;
+    }
     best_ = std::move(trial);
     return true;
   }
@@ -173,7 +146,8 @@ class Exchange {
   OptimizeOptions optimize_;
   ClusterExchangeOptions options_;
   std::vector<Cluster> clusters_;
-  Choice best_;
+  TruncatedChoice best_;
+  std::set<std::pair<Cluster, double>> failed_;  ///< Members and their weight on trial.
   ClusterExchange result_;
 };
 

@@ -7,16 +7,9 @@
 #include "posegraph/optimize.h"
 #include "posegraph/pose_graph.h"
 #include "posegraph/robust/loop_consistency.h"
+#include "posegraph/robust/truncated_choice.h"
 
 namespace fabloop {
-
-/// A choice of loops to be judged by the truncated cost: sum of chi2 over the edges that are not doubted, and of min(chi2, c2)
-/// over those that are. Vectors have one entry an edge.
-struct TruncatedProblem {
-  std::vector<double> c2;
-  std::vector<bool> is_doubted;
-  std::vector<double> weights;  ///< 1 where the edge counts, 0 where it is left out; only doubted edges are exchanged.
-};
 
 /// What exchange_clusters() may be told.
 struct ClusterExchangeOptions {

@@ -9,6 +9,7 @@
 #include "frontend/error.h"
 #include "frontend/names.h"
 #include "posegraph/robust/choice_refinement.h"
+#include "posegraph/robust/consensus_noise.h"
 #include "posegraph/robust/consistent_loops.h"
 #include "posegraph/robust/graduated.h"
 #include "posegraph/robust/loop_clusters.h"
@@ -28,6 +29,9 @@ constexpr std::array<Named<EdgeVerdict>, 5> kVerdicts{{{EdgeVerdict::Trusted, "T
 
 /// Back ends that choose leave weights of 0 and 1.
 constexpr double kKeptWeight = 0.5;
+
+/// Of the last solve of a graduation that is refined.
+constexpr double kToleranceBeforeRefinement = 1e-4;
 
 /// What each edge is before anything is solved.
 struct Roles {
@@ -134,6 +138,27 @@ Solution solve_with_loss(PoseGraph& graph, const Roles& roles, const RobustOptio
   return solution;
 }
 
+/// Chooses the loops to begin with. Truncated graduation, which knows the noise in the end, begins with that of the largest
+/// consensus: `graph` then has this noise, and the problem its thresholds.
+void begin_with_clusters(PoseGraph& graph, GraduatedProblem& problem, const Roles& roles, const RobustOptions& options) {
+  double noise_scale = roles.noise_scale;
+  if (options.back_end == BackEnd::GncTruncated && options.noise == NoiseScale::Observed) {
+    const LoopConsistency as_told(graph, options.doubted, options.inlier_probability, noise_scale);
+    if (const auto rotation = consensus_rotation_factor(graph, as_told, options.doubted, options.optimize)) {
+      graph = with_noise(std::move(graph), {noise_scale, std::min(noise_scale, *rotation)});
+      problem.c2 = thresholds(graph, options.inlier_probability);
+      noise_scale = 1.0;
+    }
+  }
+  const LoopConsistency loops(graph, options.doubted, options.inlier_probability, noise_scale);
+  const LoopTrial trial = choose_trial(graph, loops, options.doubted);
+  for (std::size_t k = 0; k < loops.size(); ++k) {
+    const std::size_t e = loops.edges()[k];
+    problem.is_candidate[e] = trial.is_tried[k] && roles.is_doubted[e];
+    if (trial.is_foremost[k] && roles.is_doubted[e]) problem.weights[e] = 1.0;
+  }
+}
+
 Solution solve_graduated(PoseGraph& graph, const Roles& roles, const RobustOptions& options) {
   GraduatedProblem problem;
   problem.c2 = roles.c2;
@@ -142,15 +167,8 @@ Solution solve_graduated(PoseGraph& graph, const Roles& roles, const RobustOptio
   problem.factor = options.gnc_factor;
   problem.weights = weights_of(roles, 0.0).weights;
   problem.is_candidate.assign(graph.edges.size(), false);
-  if (options.warm_weights.empty()) {
-    const LoopConsistency loops(graph, options.doubted, options.inlier_probability, roles.noise_scale);
-    const LoopTrial trial = choose_trial(graph, loops, options.doubted);
-    for (std::size_t k = 0; k < loops.size(); ++k) {
-      const std::size_t e = loops.edges()[k];
-      problem.is_candidate[e] = trial.is_tried[k] && roles.is_doubted[e];
-      if (trial.is_foremost[k] && roles.is_doubted[e]) problem.weights[e] = 1.0;
-    }
-  }
+  PoseGraph honest = graph;
+  if (options.warm_weights.empty()) begin_with_clusters(honest, problem, roles, options);
   for (std::size_t e = 0; e < graph.edges.size(); ++e) {
     if (roles.is_doubted[e] && !options.warm_weights.empty()) problem.weights[e] = options.warm_weights[e];
   }
@@ -158,8 +176,11 @@ Solution solve_graduated(PoseGraph& graph, const Roles& roles, const RobustOptio
     GraduatedResult result = graduate(graph, problem, options.optimize);
     return {std::move(result.last_solve), std::move(result.weights), result.num_solves};
   }
-  PoseGraph judged = with_noise(graph, factors_of_objective(options.optimize.objective, graph.dimension));
-  GraduatedResult result = graduate(judged, problem, options.optimize);
+  PoseGraph judged = with_noise(honest, factors_of_objective(options.optimize.objective, graph.dimension));
+  // What follows begins with a solve of its own.
+  OptimizeOptions rough = options.optimize;
+  rough.cost_tolerance = std::max(rough.cost_tolerance, kToleranceBeforeRefinement);
+  GraduatedResult result = graduate(judged, problem, rough);
   graph.vertices = std::move(judged.vertices);
   RefinedChoice refined = refine_choice(graph, std::move(result.weights), roles.is_doubted, options);
   const EdgeWeights edges{refined.weights, std::vector<bool>(graph.edges.size(), false)};

@@ -55,7 +55,8 @@ struct RobustOptions {
   /// where odometry is good and loops are few.
   BackEnd back_end = BackEnd::GncTruncated;
   /// A right loop has a chi-square below the threshold with this probability. Lower rejects more. Where the information
-  /// matrices promise too much, right loops are rejected too: mend those, or raise this.
+  /// matrices promise too much, right loops are rejected too: mend those, or raise this. Truncated graduation keeps right loops
+  /// with this probability at least: see refine_choice().
   double inlier_probability = 0.99;
   /// AsDeclared where the information matrices are honest and few of the loops are right.
   NoiseScale noise = NoiseScale::Observed;

@@ -13,6 +13,7 @@ OptimizeReport solve_weighted(PoseGraph& graph, const EdgeWeights& edges, Optimi
   PoseGraph weighted;
   weighted.dimension = graph.dimension;
   weighted.vertices = std::move(graph.vertices);
+  weighted.priors = graph.priors;
   for (std::size_t e = 0; e < graph.edges.size(); ++e) {
     if (edges.weights[e] == 0.0) continue;
     Edge edge = graph.edges[e];

@@ -118,6 +118,29 @@ TEST(RobustOptimize, EveryBackEndButNoneHoldsOutAgainstOneFalseLoop) {
   }
 }
 
+TEST(RobustOptimize, PriorsPlaceTheMapWhateverBecomesOfItsLoops) {
+  const test::Circle circle = circle_of(2);
+  const Eigen::Vector3d offset_m(5.0, -3.0, 2.0);
+  for (const BackEnd back_end :
+       {BackEnd::None, BackEnd::DynamicCovarianceScaling, BackEnd::GncTruncated, BackEnd::PairwiseConsistency}) {
+    PoseGraph graph = circle.graph;
+    for (std::size_t v = 0; v < graph.vertices.size(); v += 10) {
+      VertexPrior prior;
+      prior.vertex = v;
+      prior.kind = PriorKind::Position;
+      prior.world_from_frame = circle.truth.vertices[v].world_from_frame;
+      prior.world_from_frame.translation += offset_m;
+      prior.information *= 1e4;
+      graph.priors.push_back(prior);
+    }
+    robust_optimize(graph, with(back_end));
+    const Eigen::Vector3d moved =
+        graph.vertices.front().world_from_frame.translation - circle.truth.vertices.front().world_from_frame.translation;
+    // A position is known to 0.01 m an axis.
+    EXPECT_LT((moved - offset_m).norm(), 0.05) << to_string(back_end);
+  }
+}
+
 TEST(RobustOptimize, APersonsDecisionsCountAndCanBeTakenBack) {
   const test::Circle circle = circle_of(3);
   PoseGraph graph = circle.graph;

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "posegraph/robust/consensus_noise.h"
+
+#include <algorithm>
+
+#include "posegraph/robust/loop_clusters.h"
+#include "posegraph/robust/noise_factors.h"
+#include "posegraph/robust/sure_path.h"
+#include "posegraph/robust/weighted_solve.h"
+
+namespace fabloop {
+namespace {
+
+/// Of variances: errors twice those of the cluster.
+constexpr double kVarianceMargin = 4.0;
+
+constexpr double kRoughTolerance = 1e-4;
+
+}  // namespace
+
+std::optional<double> consensus_rotation_factor(const PoseGraph& graph, const LoopConsistency& loops,
+                                                const std::vector<EdgeKind>& doubted, const OptimizeOptions& optimize) {
+  const SurePaths paths(graph, doubted);
+  for (const std::vector<std::size_t>& cluster : cluster_loops(loops)) {
+    if (cluster.size() < 2) break;
+    if (!is_agreed_by(graph, loops, paths, cluster)) continue;
+    EdgeWeights edges{std::vector<double>(graph.edges.size(), 1.0), std::vector<bool>(graph.edges.size(), false)};
+    for (const std::size_t e : loops.edges()) edges.weights[e] = 0.0;
+    for (const std::size_t k : cluster) edges.weights[loops.edges()[k]] = 1.0;
+    OptimizeOptions rough = optimize;
+    rough.initialization = Initialization::Chordal;
+    rough.robust_loss = RobustLoss::None;
+    rough.cost_tolerance = std::max(rough.cost_tolerance, kRoughTolerance);
+    PoseGraph closed = graph;
+    solve_weighted(closed, edges, rough);
+    const NoiseFactors shown = estimate_noise(closed, edges.weights, optimize.objective);
+    return std::min(1.0, kVarianceMargin * shown.rotation);
+  }
+  return std::nullopt;
+}
+
+}  // namespace fabloop
