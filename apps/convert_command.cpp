@@ -17,8 +17,8 @@
 #include "frontend/fabmap/openfabmap_settings.h"
 #include "frontend/features/feature_settings.h"
 #include "frontend/sequence/trajectory_formats.h"
-#include "posegraph/g2o_io.h"
-#include "posegraph/similarity_g2o_io.h"
+#include "posegraph/g2o/g2o_io.h"
+#include "posegraph/g2o/similarity_g2o_io.h"
 
 namespace fabloop::apps {
 namespace {

@@ -14,10 +14,10 @@
 #include "data/world_writer.h"
 #include "frontend/error.h"
 #include "frontend/output_file.h"
-#include "posegraph/loop_evaluation.h"
-#include "posegraph/loop_truth.h"
+#include "posegraph/evaluation/loop_evaluation.h"
+#include "posegraph/evaluation/loop_truth.h"
 #include "posegraph/map_sequence.h"
-#include "posegraph/run_folder.h"
+#include "posegraph/run/run_folder.h"
 
 namespace fabloop::apps {
 namespace {

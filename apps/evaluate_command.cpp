@@ -19,12 +19,12 @@
 #include "apps/stage_report.h"
 #include "frontend/error.h"
 #include "frontend/output_file.h"
-#include "posegraph/g2o_io.h"
-#include "posegraph/ledger_table.h"
-#include "posegraph/loop_evaluation.h"
-#include "posegraph/stage_evaluation.h"
-#include "posegraph/stage_trajectories.h"
-#include "posegraph/trajectory_error.h"
+#include "posegraph/evaluation/loop_evaluation.h"
+#include "posegraph/evaluation/stage_evaluation.h"
+#include "posegraph/evaluation/stage_trajectories.h"
+#include "posegraph/evaluation/trajectory_error.h"
+#include "posegraph/g2o/g2o_io.h"
+#include "posegraph/run/ledger_table.h"
 
 namespace fabloop::apps {
 namespace {

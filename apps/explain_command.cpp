@@ -18,11 +18,11 @@
 #include "frontend/recognition/plot.h"
 #include "frontend/sequence/camera_yaml.h"
 #include "frontend/sequence/sequence.h"
-#include "posegraph/explanation.h"
-#include "posegraph/inlier_file.h"
-#include "posegraph/run_parameters.h"
-#include "verification/pair_picture.h"
-#include "verification/word_matching.h"
+#include "posegraph/evaluation/explanation.h"
+#include "posegraph/run/inlier_file.h"
+#include "posegraph/run/run_parameters.h"
+#include "verification/matching/word_matching.h"
+#include "verification/picture/pair_picture.h"
 
 namespace fabloop::apps {
 namespace {

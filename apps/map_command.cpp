@@ -19,7 +19,7 @@
 #include "frontend/fabmap/model.h"
 #include "frontend/sequence/stamped_images.h"
 #include "posegraph/map_sequence.h"
-#include "posegraph/run_folder.h"
+#include "posegraph/run/run_folder.h"
 #include "posegraph/sfm/reconstruct.h"
 #include "posegraph/sfm/reconstruction_folder.h"
 

@@ -14,10 +14,10 @@
 #include "apps/progress_bar.h"
 #include "apps/robust_arguments.h"
 #include "frontend/error.h"
-#include "posegraph/g2o_io.h"
+#include "posegraph/certificate/staircase.h"
+#include "posegraph/g2o/g2o_io.h"
+#include "posegraph/g2o/similarity_g2o_io.h"
 #include "posegraph/optimize.h"
-#include "posegraph/similarity_g2o_io.h"
-#include "posegraph/staircase.h"
 
 namespace fabloop::apps {
 namespace {

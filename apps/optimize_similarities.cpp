@@ -9,7 +9,7 @@
 #include <map>
 
 #include "frontend/error.h"
-#include "posegraph/similarity_g2o_io.h"
+#include "posegraph/g2o/similarity_g2o_io.h"
 
 namespace fabloop::apps {
 namespace {

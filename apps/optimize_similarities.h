@@ -4,7 +4,7 @@
 #include <string>
 
 #include "apps/robust_arguments.h"
-#include "posegraph/g2o_io.h"
+#include "posegraph/g2o/g2o_io.h"
 #include "posegraph/optimize.h"
 
 namespace fabloop::apps {

@@ -13,12 +13,12 @@
 #include "apps/run_files.h"
 #include "apps/stage_report.h"
 #include "frontend/error.h"
-#include "posegraph/g2o_io.h"
-#include "posegraph/inlier_file.h"
-#include "posegraph/run_parameters.h"
-#include "posegraph/stage_trajectories.h"
-#include "posegraph/trajectory_error.h"
-#include "verification/pair_report.h"
+#include "posegraph/evaluation/stage_trajectories.h"
+#include "posegraph/evaluation/trajectory_error.h"
+#include "posegraph/g2o/g2o_io.h"
+#include "posegraph/run/inlier_file.h"
+#include "posegraph/run/run_parameters.h"
+#include "verification/picture/pair_report.h"
 
 namespace fabloop::apps {
 namespace {

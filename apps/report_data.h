@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/run_truth.h"
-#include "posegraph/loop_evaluation.h"
-#include "posegraph/stage_evaluation.h"
+#include "posegraph/evaluation/loop_evaluation.h"
+#include "posegraph/evaluation/stage_evaluation.h"
 
 namespace fabloop::apps {
 

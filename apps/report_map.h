@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "frontend/sequence/trajectory.h"
-#include "posegraph/trajectory_error.h"
+#include "posegraph/evaluation/trajectory_error.h"
 
 namespace fabloop::apps {
 

@@ -4,7 +4,7 @@
 #include <iomanip>
 #include <iostream>
 
-#include "posegraph/run_folder.h"
+#include "posegraph/run/run_folder.h"
 
 namespace fabloop::apps {
 

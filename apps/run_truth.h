@@ -9,7 +9,7 @@
 #include "frontend/fabmap/ground_truth.h"
 #include "frontend/recognition/recognition_truth.h"
 #include "frontend/sequence/trajectory.h"
-#include "posegraph/loop_truth.h"
+#include "posegraph/evaluation/loop_truth.h"
 
 namespace fabloop::apps {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "apps/run_files.h"
-#include "posegraph/stage_evaluation.h"
+#include "posegraph/evaluation/stage_evaluation.h"
 
 namespace fabloop::apps {
 

@@ -10,7 +10,7 @@
 #include "apps/command.h"
 #include "apps/robust_arguments.h"
 #include "frontend/error.h"
-#include "posegraph/g2o_io.h"
+#include "posegraph/g2o/g2o_io.h"
 #include "posegraph/robust/false_loop_study.h"
 
 namespace fabloop::apps {

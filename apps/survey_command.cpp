@@ -12,8 +12,8 @@
 #include "apps/progress_bar.h"
 #include "apps/run_report.h"
 #include "frontend/error.h"
-#include "posegraph/loop_truth.h"
-#include "posegraph/pair_survey.h"
+#include "posegraph/evaluation/loop_truth.h"
+#include "posegraph/evaluation/pair_survey.h"
 
 namespace fabloop::apps {
 namespace {

@@ -18,8 +18,8 @@
 #include "frontend/recognition/plot.h"
 #include "frontend/sequence/camera_yaml.h"
 #include "frontend/sequence/sequence.h"
-#include "verification/pair_picture.h"
-#include "verification/pair_report.h"
+#include "verification/picture/pair_picture.h"
+#include "verification/picture/pair_report.h"
 
 namespace fabloop::apps {
 namespace {

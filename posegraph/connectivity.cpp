@@ -3,15 +3,11 @@
 
 #include <algorithm>
 #include <deque>
-#include <numeric>
+
+#include "posegraph/disjoint_sets.h"
 
 namespace fabloop {
 namespace {
-
-std::size_t find_root(std::vector<std::size_t>& parent, std::size_t vertex) {
-  while (parent[vertex] != vertex) vertex = parent[vertex] = parent[parent[vertex]];
-  return vertex;
-}
 
 /// Edges of each vertex, those with scale first, in the graph's order.
 std::vector<std::vector<std::size_t>> edges_of_vertices(const PoseGraph& graph) {
@@ -29,18 +25,12 @@ std::vector<std::vector<std::size_t>> edges_of_vertices(const PoseGraph& graph) 
 }  // namespace
 
 Components connected_components(const PoseGraph& graph) {
-  std::vector<std::size_t> parent(graph.vertices.size());
-  std::iota(parent.begin(), parent.end(), std::size_t{0});
-  for (const Edge& edge : graph.edges) {
-    const std::size_t a = find_root(parent, edge.from);
-    const std::size_t b = find_root(parent, edge.to);
-    // The smaller root wins, so a component's root is its first vertex.
-    (a < b ? parent[b] : parent[a]) = std::min(a, b);
-  }
+  DisjointSets sets(graph.vertices.size());
+  for (const Edge& edge : graph.edges) sets.join(edge.from, edge.to);
   Components components;
-  components.of_vertex.resize(parent.size());
-  for (std::size_t v = 0; v < parent.size(); ++v) {
-    const std::size_t root = find_root(parent, v);
+  components.of_vertex.resize(graph.vertices.size());
+  for (std::size_t v = 0; v < graph.vertices.size(); ++v) {
+    const std::size_t root = sets.root_of(v);  // a component's first vertex
     components.of_vertex[v] = root == v ? components.count++ : components.of_vertex[root];
   }
   return components;

@@ -16,8 +16,8 @@
 #include "posegraph/odometry_noise.h"
 #include "posegraph/optimize.h"
 #include "posegraph/pose_graph.h"
-#include "verification/keyframe_map_file.h"
 #include "verification/loop_closer.h"
+#include "verification/map/keyframe_map_file.h"
 
 namespace fabloop {
 
@@ -28,8 +28,8 @@ struct MapperOptions {
   /// After a loop, the graph is solved again once so many keyframes have come since the last time. 1 corrects at once; more
   /// bounds the time a keyframe takes on long runs.
   std::size_t solve_every = 10;
-  /// A loop contradicts the rest of the map, and its verdict says so, when a right one would fit better with this probability. 1: none
-  /// does, and all proven loops stay.
+  /// A loop contradicts the rest of the map, and its verdict says so, when a right one would fit better with this probability. 1:
+  /// none does, and all proven loops stay.
   double max_loop_surprise = 0.9999;
   /// Where to keep the keyframes for later sessions, each as it comes (see KeyframeMapFile). A file that exists must be the one
   /// that the earlier map was read from; it then goes on. Empty: nowhere.
@@ -66,8 +66,8 @@ class Mapper {
   /// Frames in order of time. A frame without odometry is left out and counted.
   void process(const Frame& frame, DescribedFrame described);
 
-  /// What there is so far: the graph as last solved, the ledger, the trajectories of odometry and of that time. The rest comes with
-  /// finish().
+  /// What there is so far: the graph as last solved, the ledger, the trajectories of odometry and of that time. The rest comes
+  /// with finish().
   const Map& map() const { return map_; }
 
   /// Solves the whole graph, withdraws the loops that contradict it, and hands everything over.

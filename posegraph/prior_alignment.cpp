@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "posegraph/connectivity.h"
+#include "posegraph/evaluation/trajectory_error.h"
 #include "posegraph/initialization.h"
-#include "posegraph/trajectory_error.h"
 
 namespace fabloop {
 namespace {

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 
 #include "frontend/geometry/pose.h"
-#include "verification/relative_pose.h"
+#include "verification/pose/relative_pose.h"
 
 namespace fabloop {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "verification/matching.h"
+#include "verification/matching/matching.h"
 #include "verification/view.h"
 
 namespace fabloop {

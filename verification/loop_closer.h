@@ -19,12 +19,12 @@
 #include "frontend/geometry/pose.h"
 #include "frontend/progress.h"
 #include "verification/keyframe.h"
-#include "verification/keyframe_map.h"
 #include "verification/loop_event.h"
+#include "verification/map/keyframe_map.h"
 #include "verification/neighbour.h"
+#include "verification/rig/window_scale.h"
 #include "verification/temporal_consistency.h"
 #include "verification/verifier.h"
-#include "verification/window_scale.h"
 
 namespace fabloop {
 
@@ -55,8 +55,8 @@ struct LoopCloserOptions {
   /// hosts without depth whose steps are too short for points. It costs the square of this many comparisons a loop. 0, 1: never.
   std::size_t window_size = 0;
   WindowOptions window;  ///< Matching, max_error_px and seed are the verifier's.
-  int num_threads = 0;  ///< Hypotheses of one keyframe are verified in parallel; the result does not depend on it.
-  Warn warn{};          ///< Told when keyframes look unlike the images that the model was trained on; see DomainCheck.
+  int num_threads = 0;   ///< Hypotheses of one keyframe are verified in parallel; the result does not depend on it.
+  Warn warn{};           ///< Told when keyframes look unlike the images that the model was trained on; see DomainCheck.
 };
 
 /// The module that a SLAM system plugs in: keyframe in; ranked hypotheses, verdicts and accepted loops out. Keeps every

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "verification/pose_choice.h"
+#include "verification/pose/pose_choice.h"
 
 namespace fabloop {
 namespace {
@@ -14,8 +14,9 @@ constexpr double kOffset = -1.0;
 constexpr double kPerDecade = 0.52;
 /// More decades than so many were not seen to be wrong, nor could they be counted.
 constexpr double kMaxDecades = 30.0;
-/// A posterior over places is sharper than it is right (words are not independent). And it is shared: where several places show the
-/// same ground, one takes nearly all, and of those left with under a tenth, 46 % (seneca) to 94 % (sheffield_cross) are right.
+/// A posterior over places is sharper than it is right (words are not independent). And it is shared: where several places show
+/// the same ground, one takes nearly all, and of those left with under a tenth, 46 % (seneca) to 94 % (sheffield_cross) are
+/// right.
 constexpr double kMinAppearance = 0.2;
 constexpr double kMaxAppearance = 0.98;
 

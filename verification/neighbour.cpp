@@ -9,8 +9,8 @@
 #include "frontend/parallel.h"
 #include "verification/edge_information.h"
 #include "verification/pair_seed.h"
-#include "verification/ray_pairs.h"
-#include "verification/relative_pose.h"
+#include "verification/pose/ray_pairs.h"
+#include "verification/pose/relative_pose.h"
 
 namespace fabloop {
 namespace {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "frontend/geometry/pose.h"
-#include "verification/matching.h"
-#include "verification/triangulation.h"
+#include "verification/matching/matching.h"
+#include "verification/pose/triangulation.h"
 #include "verification/view.h"
 
 namespace fabloop {
@@ -24,8 +24,9 @@ struct NeighbourOptions {
   double max_rotation_error_deg = 10.0;
   double max_direction_error_deg = 25.0;
   double min_parallax_deg = 1.0;  ///< Below it (hovering) the direction and all depths are noise.
-  /// A distance that the odometry tells less well, relative, is no unit for depths where another is to be had: after a turn the way
-  /// between two views is long, and its errors are large against the distance. As well as a step's always suffices: the nearest view's whose distance is known to half of it.
+  /// A distance that the odometry tells less well, relative, is no unit for depths where another is to be had: after a turn the
+  /// way between two views is long, and its errors are large against the distance. As well as a step's always suffices: the
+  /// nearest view's whose distance is known to half of it.
   double max_distance_sigma = 0.06;
   int max_iterations = 1500;
   std::uint64_t seed = 0;

@@ -5,10 +5,10 @@
 #include <utility>
 
 #include "verification/edge_information.h"
-#include "verification/joint_pose.h"
 #include "verification/median.h"
-#include "verification/metric_pose.h"
-#include "verification/residuals.h"
+#include "verification/pose/joint_pose.h"
+#include "verification/pose/metric_pose.h"
+#include "verification/pose/residuals.h"
 
 namespace fabloop {
 namespace {

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "verification/pose_choice.h"
-#include "verification/relative_pose.h"
+#include "verification/pose/pose_choice.h"
+#include "verification/pose/relative_pose.h"
 #include "verification/verifier.h"
 #include "verification/view.h"
 

@@ -5,8 +5,8 @@
 #include <cassert>
 #include <cstddef>
 
-#include "verification/feature_distances.h"
-#include "verification/spots.h"
+#include "verification/matching/feature_distances.h"
+#include "verification/matching/spots.h"
 
 namespace fabloop {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "verification/matching.h"
+#include "verification/matching/matching.h"
 #include "verification/view.h"
 
 namespace fabloop {

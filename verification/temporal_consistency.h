@@ -5,8 +5,8 @@
 #include <deque>
 #include <vector>
 
-#include "verification/keyframe_map.h"
 #include "verification/loop_event.h"
+#include "verification/map/keyframe_map.h"
 
 namespace fabloop {
 

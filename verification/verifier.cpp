@@ -9,14 +9,14 @@
 
 #include "frontend/features/spatially_even.h"
 #include "verification/evidence.h"
-#include "verification/guided_matching.h"
 #include "verification/inlier_spread.h"
 #include "verification/loop_probability.h"
+#include "verification/matching/guided_matching.h"
+#include "verification/matching/word_matching.h"
 #include "verification/pair_decision.h"
 #include "verification/pair_seed.h"
-#include "verification/ray_pairs.h"
-#include "verification/relative_pose.h"
-#include "verification/word_matching.h"
+#include "verification/pose/ray_pairs.h"
+#include "verification/pose/relative_pose.h"
 
 namespace fabloop {
 namespace {

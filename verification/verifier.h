@@ -9,15 +9,15 @@
 #include <vector>
 
 #include "frontend/geometry/pose.h"
-#include "verification/match_consistency.h"
-#include "verification/matching.h"
-#include "verification/plane_scale.h"
-#include "verification/pose_choice.h"
-#include "verification/scale.h"
-#include "verification/similar_group.h"
+#include "verification/matching/match_consistency.h"
+#include "verification/matching/matching.h"
+#include "verification/matching/similar_group.h"
+#include "verification/matching/word_matching.h"
+#include "verification/pose/plane_scale.h"
+#include "verification/pose/pose_choice.h"
+#include "verification/pose/scale.h"
 #include "verification/verdict.h"
 #include "verification/view.h"
-#include "verification/word_matching.h"
 
 namespace fabloop {
 

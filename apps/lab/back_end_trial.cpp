@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <utility>
 
+#include "posegraph/evaluation/trajectory_error.h"
 #include "posegraph/loop_withdrawal.h"
 #include "posegraph/robust/false_loops.h"
 #include "posegraph/robust/robust_optimize.h"
 #include "posegraph/robust/session_alignment.h"
-#include "posegraph/trajectory_error.h"
 #include "verification/verdict.h"
 
 namespace fabloop {

@@ -9,10 +9,10 @@
 
 #include "apps/lab/lab_description.h"
 #include "frontend/sequence/trajectory.h"
-#include "posegraph/loop_evaluation.h"
-#include "posegraph/loop_truth.h"
+#include "posegraph/evaluation/loop_evaluation.h"
+#include "posegraph/evaluation/loop_truth.h"
+#include "posegraph/evaluation/stage_evaluation.h"
 #include "posegraph/mapper.h"
-#include "posegraph/stage_evaluation.h"
 
 namespace fabloop {
 
@@ -42,8 +42,8 @@ struct BackEndProblem {
   LabSettings settings;  ///< False loops to add, and the probability of robust back ends.
 };
 
-/// Sets the vertices where odometry alone leads from the first (or the fixed) ones: no loop has a part in it, nor have the edges to
-/// neighbours, which have no scale.
+/// Sets the vertices where odometry alone leads from the first (or the fixed) ones: no loop has a part in it, nor have the edges
+/// to neighbours, which have no scale.
 void start_from_odometry(PoseGraph& graph);
 
 /// Adds the false loops that the settings ask for (shaped after the map's own loops; none where it has none), starts from where

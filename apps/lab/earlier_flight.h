@@ -10,9 +10,9 @@
 #include "frontend/features/feature_options.h"
 #include "frontend/sequence/sequence.h"
 #include "posegraph/describe_sequence.h"
-#include "posegraph/ledger_table.h"
-#include "posegraph/stage_evaluation.h"
-#include "verification/keyframe_map.h"
+#include "posegraph/evaluation/stage_evaluation.h"
+#include "posegraph/run/ledger_table.h"
+#include "verification/map/keyframe_map.h"
 
 namespace fabloop {
 

@@ -6,7 +6,7 @@
 #include <ostream>
 #include <string>
 
-#include "posegraph/stage_evaluation.h"
+#include "posegraph/evaluation/stage_evaluation.h"
 
 namespace fabloop {
 

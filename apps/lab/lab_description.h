@@ -11,8 +11,8 @@
 #include "apps/lab/lab_settings.h"
 #include "frontend/baselines/place_method.h"
 #include "frontend/features/feature_options.h"
+#include "posegraph/evaluation/stage_evaluation.h"
 #include "posegraph/robust/back_end.h"
-#include "posegraph/stage_evaluation.h"
 
 namespace fabloop {
 

@@ -11,7 +11,7 @@
 #include "apps/lab/cell_run.h"
 #include "apps/lab/lab_cell.h"
 #include "apps/lab/lab_description.h"
-#include "posegraph/stage_evaluation.h"
+#include "posegraph/evaluation/stage_evaluation.h"
 
 namespace fabloop {
 
@@ -23,8 +23,8 @@ struct FinishedCell {
 
 /// One stage's figures.
 struct StageRow {
-  std::string stage;  ///< "geometry", ...; for back ends "back end: NAME".
-  StageResult result;  ///< Of back ends with injected loops, which have no score: without ranking and calibration.
+  std::string stage;            ///< "geometry", ...; for back ends "back end: NAME".
+  StageResult result;           ///< Of back ends with injected loops, which have no score: without ranking and calibration.
   std::optional<double> ate_m;  ///< Of back ends: their map's error. Pooled: the mean over the cells.
 };
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "frontend/error.h"
-#include "posegraph/run_folder.h"
+#include "posegraph/run/run_folder.h"
 
 namespace fabloop {
 namespace {

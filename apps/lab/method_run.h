@@ -15,7 +15,7 @@
 #include "frontend/fabmap/model.h"
 #include "frontend/sequence/sequence.h"
 #include "posegraph/describe_sequence.h"
-#include "posegraph/stage_evaluation.h"
+#include "posegraph/evaluation/stage_evaluation.h"
 
 namespace fabloop {
 

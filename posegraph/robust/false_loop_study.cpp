@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "frontend/error.h"
-#include "posegraph/trajectory_error.h"
+#include "posegraph/evaluation/trajectory_error.h"
 
 namespace fabloop {
 namespace {

@@ -2,15 +2,11 @@
 #include "posegraph/robust/loop_clusters.h"
 
 #include <algorithm>
-#include <numeric>
+
+#include "posegraph/disjoint_sets.h"
 
 namespace fabloop {
 namespace {
-
-std::size_t find_root(std::vector<std::size_t>& parent, std::size_t k) {
-  while (parent[k] != k) k = parent[k] = parent[parent[k]];
-  return k;
-}
 
 /// At most three members, evenly spread.
 std::vector<std::size_t> spokesmen(const std::vector<std::size_t>& cluster) {
@@ -21,17 +17,14 @@ std::vector<std::size_t> spokesmen(const std::vector<std::size_t>& cluster) {
 }  // namespace
 
 std::vector<std::vector<std::size_t>> cluster_loops(const LoopConsistency& loops, const LoopClusterOptions& options) {
-  std::vector<std::size_t> parent(loops.size());
-  std::iota(parent.begin(), parent.end(), std::size_t{0});
+  DisjointSets sets(loops.size());
   for (std::size_t a = 0; a < loops.size(); ++a) {
     for (const std::size_t b : loops.nearest(a, options.max_neighbours, options.max_steps)) {
-      const std::size_t root_a = find_root(parent, a);
-      const std::size_t root_b = find_root(parent, b);
-      if (root_a != root_b && loops.are_consistent(a, b)) parent[std::max(root_a, root_b)] = std::min(root_a, root_b);
+      if (sets.root_of(a) != sets.root_of(b) && loops.are_consistent(a, b)) sets.join(a, b);
     }
   }
   std::vector<std::vector<std::size_t>> by_root(loops.size());
-  for (std::size_t k = 0; k < loops.size(); ++k) by_root[find_root(parent, k)].push_back(k);
+  for (std::size_t k = 0; k < loops.size(); ++k) by_root[sets.root_of(k)].push_back(k);
   std::erase_if(by_root, [](const auto& cluster) { return cluster.empty(); });
   std::stable_sort(by_root.begin(), by_root.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
   return by_root;

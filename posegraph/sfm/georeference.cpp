@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "verification/alignment.h"
+#include "verification/pose/alignment.h"
 
 namespace fabloop {
 namespace {

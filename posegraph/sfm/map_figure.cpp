@@ -8,7 +8,7 @@
 
 #include "frontend/drawing.h"
 #include "frontend/recognition/plot.h"
-#include "posegraph/trajectory_error.h"
+#include "posegraph/evaluation/trajectory_error.h"
 
 namespace fabloop {
 namespace {

@@ -6,11 +6,11 @@
 #include <utility>
 
 #include "frontend/error.h"
+#include "posegraph/evaluation/trajectory_error.h"
 #include "posegraph/sfm/duplicate_points.h"
 #include "posegraph/sfm/kept_work.h"
 #include "posegraph/sfm/reconstruction_result.h"
 #include "posegraph/sfm/segment_adjustment.h"
-#include "posegraph/trajectory_error.h"
 
 namespace fabloop {
 namespace {

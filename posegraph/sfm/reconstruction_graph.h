@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "posegraph/inlier_file.h"
 #include "posegraph/pose_graph.h"
+#include "posegraph/run/inlier_file.h"
 #include "posegraph/sfm/reconstruct.h"
 #include "verification/loop_event.h"
 

@@ -8,9 +8,9 @@
 #include "frontend/output_file.h"
 #include "frontend/sequence/sequence_trajectories.h"
 #include "frontend/stage_times.h"
+#include "posegraph/evaluation/trajectory_error.h"
 #include "posegraph/sfm/reconstruction_folder.h"
 #include "posegraph/sfm/reconstruction_graph.h"
-#include "posegraph/trajectory_error.h"
 
 namespace fabloop {
 namespace {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "verification/absolute_pose.h"
 #include "verification/pair_seed.h"
+#include "verification/pose/absolute_pose.h"
 
 namespace fabloop {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "verification/alignment.h"
+#include "verification/pose/alignment.h"
 #include "verification/verifier.h"
 
 namespace fabloop {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "frontend/geometry/pose.h"
-#include "posegraph/ply.h"
+#include "posegraph/run/ply.h"
 #include "posegraph/sfm/height_field.h"
 
 namespace fabloop {

@@ -10,12 +10,12 @@
 #include "frontend/parallel.h"
 #include "posegraph/sfm/kept_work.h"
 #include "verification/evidence.h"
-#include "verification/match_consistency.h"
+#include "verification/matching/match_consistency.h"
+#include "verification/matching/similar_group.h"
 #include "verification/pair_seed.h"
-#include "verification/planar_ambiguity.h"
-#include "verification/ray_pairs.h"
-#include "verification/relative_pose.h"
-#include "verification/similar_group.h"
+#include "verification/pose/planar_ambiguity.h"
+#include "verification/pose/ray_pairs.h"
+#include "verification/pose/relative_pose.h"
 
 namespace fabloop {
 namespace {

@@ -9,7 +9,7 @@
 #include "frontend/progress.h"
 #include "frontend/work_state.h"
 #include "posegraph/sfm/candidate_pairs.h"
-#include "verification/matching.h"
+#include "verification/matching/matching.h"
 #include "verification/view.h"
 
 namespace fabloop {

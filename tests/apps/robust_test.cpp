@@ -5,8 +5,8 @@
 #include <sstream>
 
 #include "frontend/sequence/trajectory_formats.h"
-#include "posegraph/g2o_io.h"
-#include "posegraph/similarity_g2o_io.h"
+#include "posegraph/g2o/g2o_io.h"
+#include "posegraph/g2o/similarity_g2o_io.h"
 #include "tests/apps/program.h"
 #include "tests/posegraph/long_walk.h"
 #include "tests/posegraph/scratch_folder.h"

@@ -12,7 +12,7 @@
 
 #include "tests/bench/pose_tally.h"
 #include "tests/verification/absolute_pose_world.h"
-#include "verification/absolute_pose.h"
+#include "verification/pose/absolute_pose.h"
 
 namespace fabloop {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "frontend/features/feature_extractor.h"
-#include "verification/matching.h"
+#include "verification/matching/matching.h"
 
 namespace fabloop {
 namespace {

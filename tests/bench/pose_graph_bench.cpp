@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <string>
 
-#include "posegraph/certificate.h"
-#include "posegraph/g2o_io.h"
+#include "posegraph/certificate/certificate.h"
+#include "posegraph/g2o/g2o_io.h"
 #include "posegraph/optimize.h"
 
 namespace fabloop {

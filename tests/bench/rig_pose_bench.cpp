@@ -16,7 +16,7 @@
 
 #include "tests/bench/pose_tally.h"
 #include "tests/verification/rig_world.h"
-#include "verification/rig_pose.h"
+#include "verification/rig/rig_pose.h"
 
 namespace fabloop {
 namespace {

@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "tests/verification/two_view_world.h"
-#include "verification/planar_ambiguity.h"
-#include "verification/pose_choice.h"
-#include "verification/relative_pose.h"
+#include "verification/pose/planar_ambiguity.h"
+#include "verification/pose/pose_choice.h"
+#include "verification/pose/relative_pose.h"
 #include "verification/verifier.h"
 
 namespace fabloop {

@@ -3,10 +3,10 @@
 
 #include <filesystem>
 
-#include "posegraph/loop_evaluation.h"
-#include "posegraph/loop_truth.h"
+#include "posegraph/evaluation/loop_evaluation.h"
+#include "posegraph/evaluation/loop_truth.h"
 #include "posegraph/map_sequence.h"
-#include "posegraph/run_folder.h"
+#include "posegraph/run/run_folder.h"
 #include "tests/posegraph/scratch_folder.h"
 
 namespace fabloop {

@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "posegraph/certificate.h"
-#include "posegraph/g2o_io.h"
+#include "posegraph/certificate/certificate.h"
+#include "posegraph/g2o/g2o_io.h"
 #include "posegraph/optimize.h"
 
 namespace fabloop {

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "frontend/error.h"
-#include "posegraph/run_folder.h"
+#include "posegraph/run/run_folder.h"
 #include "tests/posegraph/scratch_folder.h"
 #include "tests/posegraph/tiny_map.h"
 

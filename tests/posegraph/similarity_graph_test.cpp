@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "frontend/error.h"
+#include "posegraph/evaluation/trajectory_error.h"
 #include "posegraph/residuals/similarity_residual.h"
-#include "posegraph/trajectory_error.h"
 #include "tests/posegraph/numeric_derivatives.h"
 #include "tests/posegraph/objectives.h"
 #include "tests/posegraph/random_graph.h"

@@ -5,7 +5,7 @@
 
 #include "frontend/fabmap/model.h"
 #include "frontend/sequence/sequence.h"
-#include "posegraph/g2o_io.h"
+#include "posegraph/g2o/g2o_io.h"
 #include "posegraph/optimize.h"
 #include "verification/ledger.h"
 #include "verification/loop_closer.h"

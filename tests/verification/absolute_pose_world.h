@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "frontend/geometry/pose.h"
-#include "verification/absolute_pose.h"
+#include "verification/pose/absolute_pose.h"
 
 namespace fabloop::testing_support {
 

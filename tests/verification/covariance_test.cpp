@@ -11,8 +11,8 @@
 
 #include "tests/verification/two_view_world.h"
 #include "verification/edge_information.h"
-#include "verification/relative_pose.h"
-#include "verification/scale.h"
+#include "verification/pose/relative_pose.h"
+#include "verification/pose/scale.h"
 
 namespace fabloop {
 namespace {

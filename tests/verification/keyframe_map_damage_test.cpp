@@ -11,7 +11,7 @@
 
 #include "frontend/error.h"
 #include "tests/verification/walk_map_file.h"
-#include "verification/keyframe_map_file.h"
+#include "verification/map/keyframe_map_file.h"
 
 namespace fabloop {
 namespace {

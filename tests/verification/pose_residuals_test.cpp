@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "tests/verification/rig_world.h"
-#include "verification/point_ray_residual.h"
-#include "verification/rig_epipolar.h"
+#include "verification/pose/point_ray_residual.h"
+#include "verification/rig/rig_epipolar.h"
 
 namespace fabloop {
 namespace {

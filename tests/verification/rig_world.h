@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "frontend/geometry/pose.h"
-#include "verification/rig_pose.h"
+#include "verification/rig/rig_pose.h"
 
 namespace fabloop::testing_support {
 

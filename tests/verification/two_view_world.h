@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "verification/relative_pose.h"
+#include "verification/pose/relative_pose.h"
 #include "verification/view.h"
 
 namespace fabloop::testing_support {

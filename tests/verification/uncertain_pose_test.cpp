@@ -8,7 +8,7 @@
 #include <limits>
 #include <random>
 
-#include "verification/keyframe_map.h"
+#include "verification/map/keyframe_map.h"
 
 namespace fabloop {
 namespace {

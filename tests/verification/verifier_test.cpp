@@ -10,7 +10,7 @@
 
 #include "tests/verification/two_view_world.h"
 #include "verification/pair_seed.h"
-#include "verification/planar_ambiguity.h"
+#include "verification/pose/planar_ambiguity.h"
 
 namespace fabloop {
 namespace {

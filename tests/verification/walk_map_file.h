@@ -10,8 +10,8 @@
 #include "tests/posegraph/scratch_folder.h"
 #include "tests/verification/two_view_world.h"
 #include "tests/verification/walk_world.h"
-#include "verification/keyframe_map_file.h"
 #include "verification/loop_closer.h"
+#include "verification/map/keyframe_map_file.h"
 
 namespace fabloop::testing_support {
 

@@ -9,12 +9,12 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "frontend/error.h"
-#include "posegraph/g2o_io.h"
-#include "posegraph/loop_truth.h"
+#include "posegraph/evaluation/loop_truth.h"
+#include "posegraph/evaluation/trajectory_error.h"
+#include "posegraph/g2o/g2o_io.h"
 #include "posegraph/sfm/reconstruction_folder.h"
 #include "posegraph/sfm/reconstruction_graph.h"
 #include "posegraph/sfm/run_reader.h"
-#include "posegraph/trajectory_error.h"
 #include "tests/frontend/sequence/exif_jpeg.h"
 #include "tests/posegraph/scratch_folder.h"
 #include "tests/support/tiny_sequence.h"

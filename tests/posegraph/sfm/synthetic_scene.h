@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "posegraph/evaluation/trajectory_error.h"
 #include "posegraph/sfm/bundle_adjustment.h"
 #include "posegraph/sfm/segment.h"
 #include "posegraph/sfm/view_graph.h"
-#include "posegraph/trajectory_error.h"
 
 namespace fabloop::test {
 

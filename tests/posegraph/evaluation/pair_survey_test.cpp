@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "posegraph/evaluation/pair_survey.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/posegraph/tiny_map.h"
+
+namespace fabloop {
+namespace {
+
+using testing_support::read_tiny_sequence;
+using testing_support::tiny_map_options;
+
+/// Every third frame: enough to have pairs of all kinds, few enough to be quick.
+Sequence thinned(Sequence sequence) {
+  std::vector<Frame> kept;
+  for (std::size_t i = 0; i < sequence.frames.size(); i += 3) kept.push_back(sequence.frames[i]);
+  sequence.frames = std::move(kept);
+  return sequence;
+}
+
+PairSurveyOptions tiny_survey_options() {
+  PairSurveyOptions options;
+  options.features = tiny_map_options().features;
+  return options;
+}
+
+LoopTruth truth_of(const Sequence& sequence) {
+  LoopTruth truth;
+  for (const Frame& frame : sequence.frames) truth.world_from_camera.push_back(frame.world_from_camera);
+  return truth;
+}
+
+TEST(PairSurvey, MeetsEveryPairOnce) {
+  const Sequence sequence = thinned(read_tiny_sequence());
+  const auto pairs = survey_pairs({sequence, sequence}, tiny_survey_options());
+  const std::size_t n = 2 * sequence.frames.size();
+  EXPECT_EQ(pairs.size(), n * (n - 1) / 2);
+  for (const SurveyedPair& pair : pairs) {
+    EXPECT_TRUE(pair.query.sequence > pair.match.sequence ||
+                (pair.query.sequence == pair.match.sequence && pair.query.frame > pair.match.frame));
+  }
+}
+
+TEST(PairSurvey, DoesNotDependOnTheNumberOfThreads) {
+  const Sequence sequence = thinned(read_tiny_sequence());
+  PairSurveyOptions options = tiny_survey_options();
+  options.num_threads = 1;
+  const auto one = survey_pairs({sequence}, options);
+  options.num_threads = 3;
+  const auto three = survey_pairs({sequence}, options);
+  ASSERT_EQ(one.size(), three.size());
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    EXPECT_EQ(one[i].verification.verdict, three[i].verification.verdict) << i;
+    EXPECT_EQ(one[i].verification.match_from_query.translation, three[i].verification.match_from_query.translation) << i;
+  }
+}
+
+TEST(PairSurvey, AcceptedPairsOfOneFlightAreRightAndAcrossFlightsCountAsFalse) {
+  const Sequence sequence = thinned(read_tiny_sequence());
+  const LoopTruth truth = truth_of(sequence);
+  const auto pairs = survey_pairs({sequence, sequence}, tiny_survey_options());
+  LoopEvaluationOptions evaluation;
+  evaluation.height_above_ground_m = 30;
+  const auto summaries = summarise_survey(pairs, {truth, truth}, {evaluation, evaluation});
+  ASSERT_EQ(summaries.size(), 3U);
+  EXPECT_GT(summaries[0].num_accepted, 0U);
+  EXPECT_EQ(summaries[0].num_false, 0U);
+  // The second flight is the first one again: what is accepted across them would be false were they two places.
+  EXPECT_GT(summaries[1].num_accepted, 0U);
+  EXPECT_EQ(summaries[1].num_false, summaries[1].num_accepted);
+}
+
+}  // namespace
+}  // namespace fabloop
