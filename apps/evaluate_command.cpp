@@ -43,7 +43,7 @@ struct EvaluateArguments {
   bool yaw = false;
   bool overwrite = false;
   double max_angle_deg = 0.0;
-  double false_radius_m = 0.0;
+  std::optional<double> false_radius_m;
   double rpe_distance_m = 100.0;
   LoopEvaluationOptions loops;
   StageOptions stages;
@@ -203,7 +203,9 @@ void add_truth_options(CLI::App* command, EvaluateArguments& arguments) {
   command->add_option(
       "--frames", arguments.truth.frames,
       "times of the frames (lines 'filename,timestamp_s'); default: those of the sequence folder, else of the run");
-  command->add_option("--height", arguments.loops.height_above_ground_m, "height above ground, metres; sets what a wrong loop is")
+  command
+      ->add_option("--height", arguments.loops.height_above_ground_m,
+                   "height above ground, metres; sets what a wrong loop is, and --false-radius")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command
@@ -254,11 +256,7 @@ void add_evaluate_command(CLI::App& program) {
   add_output_options(command, *arguments);
   command->callback([arguments] {
     if (arguments->max_angle_deg > 0.0) arguments->truth.places.poses.max_angle_deg = arguments->max_angle_deg;
-    PoseRules& rules = arguments->truth.places.poses;
-    const double thrice_height_m = 3.0 * arguments->loops.height_above_ground_m;
-    rules.not_judged_radius_m =
-        arguments->false_radius_m > 0.0 ? arguments->false_radius_m : std::max(rules.radius_m, thrice_height_m);
-    arguments->loops.false_radius_m = rules.not_judged_radius_m;
+    set_false_radius(arguments->truth.places.poses, arguments->loops, arguments->false_radius_m);
     arguments->loops.exclusion_window = arguments->truth.places.exclusion_window;
     run_evaluate(*arguments);
   });

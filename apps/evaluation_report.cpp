@@ -33,7 +33,7 @@ void print_trajectory(std::ostream& out, const std::string& name, const ordered_
   std::ostringstream distance;
   distance << "per " << result["rpe_distance_m"].get<double>() << " m";
   print_rpe(out, result["rpe_over_distance"], distance.str());
-  out << "  repeat with: " << result["repeat_with"].get<std::string>() << '\n';
+  if (result.contains("repeat_with")) out << "  repeat with: " << result["repeat_with"].get<std::string>() << '\n';
 }
 
 void print_loops(std::ostream& out, const ordered_json& result) {

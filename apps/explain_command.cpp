@@ -138,6 +138,9 @@ void print_hypotheses(const LedgerTable& ledger, const Explanation& explanation)
 }
 
 void run_explain(const ExplainArguments& arguments) {
+  if (!arguments.model.empty() && arguments.picture.empty()) {
+    throw InputError("--model is for the matches of a picture: give --picture FILE.png, or leave it out");
+  }
   const LedgerTable ledger = read_ledger(arguments.run / "loops.csv");
   const std::vector<std::string> names = read_frame_names(arguments.run);
   if (std::max(arguments.query, arguments.match) >= names.size()) {

@@ -43,7 +43,7 @@ void add_keyframes_command(CLI::App& program, const CommonOptions& common) {
   command->add_option("--out", arguments->out, "folder to write images, times and what goes with them to")->required();
   command
       ->add_option("--max-overlap", arguments->options.choice.max_overlap,
-                   "part of its area that a keyframe may share with the one before it")
+                   "a keyframe is the first image that shares no more than this part of its area with the one before it")
       ->check(CLI::Range(0.01, 0.99))
       ->capture_default_str();
   command->add_option("--camera", arguments->camera, "calibration file to go with them (default: camera.yaml in the folder)");

@@ -90,6 +90,8 @@ SparseMatrix information_of(const PoseGraph& graph, const std::vector<std::size_
 
 Eigen::MatrixXd marginal_covariance(const PoseGraph& graph, const std::vector<std::size_t>& vertices,
                                     const OptimizeOptions& options) {
+  if (!graph.priors.empty())
+    throw InputError("marginal covariances: the graph has priors, which are not counted; give one without");
   check(graph);
   for (const std::size_t v : vertices) {
     if (v >= graph.vertices.size())

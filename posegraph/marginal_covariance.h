@@ -15,7 +15,8 @@ namespace fabloop {
 /// e is (translation, rotation) in its own frame: world_from_frame_true = world_from_frame * Exp(e); planar graphs have zeros for
 /// z, roll and pitch. Relative to the vertices that optimize() holds, whose own covariance is zero. Edges count with their robust
 /// weight under `options`. Take Objective::RotationVector where the information matrices are real ones. Throws InputError for a
-/// vertex that is not there, and where the edges do not determine the poses (a part of the graph without scale, say).
+/// vertex that is not there, for a graph with priors, which it does not know, and where the edges do not determine the poses (a
+/// part of the graph without scale, say).
 Eigen::MatrixXd marginal_covariance(const PoseGraph& graph, const std::vector<std::size_t>& vertices,
                                     const OptimizeOptions& options = {});
 

@@ -37,11 +37,12 @@ OdometryNoise estimate_odometry_noise(const std::vector<OdometryDifference>& dif
   if (found == by_length.end()) return fallback;
   const auto steps = static_cast<double>(found->first);
   OdometryNoise noise;
-  noise.rotation_deg = std::max(kMinRotationDeg, median(found->second.rotations_deg) / kMedianLength3d / std::sqrt(steps));
+  const double rotation_deg = median(found->second.rotations_deg) / kMedianLength3d / std::sqrt(steps);
+  noise.rotation_deg = std::max(kMinRotationDeg, rotation_deg);
   // Across a stretch of n steps of length 1 the end is off by n times the direction's error: n translation errors, and n - 1
   // turns, of which the k-th last moves the end by k.
   const double across = steps * rad_from_deg(median(found->second.directions_deg)) / kMedianLength2d;
-  const double by_turns = std::pow(rad_from_deg(noise.rotation_deg), 2) * (steps - 1) * steps * (2 * steps - 1) / 6;
+  const double by_turns = std::pow(rad_from_deg(rotation_deg), 2) * (steps - 1) * steps * (2 * steps - 1) / 6;
   noise.translation = std::sqrt(std::max(kMinTranslation * kMinTranslation, (across * across - by_turns) / steps));
   return noise;
 }

@@ -23,7 +23,7 @@ struct OdometryDifference {
 
 /// The noise as the images show it: robust (median) scatter of the differences over single steps, or, where fewer than 10 of
 /// these were seen (video, whose neighbours have no parallax), over the shortest stretches of which 10 were, taken as sums of
-/// independent errors. `fallback` where there are none, and for what the images do not see: the length.
+/// independent errors. `fallback` where there are none. Lengths, which images do not see, are taken to err as much as directions.
 OdometryNoise estimate_odometry_noise(const std::vector<OdometryDifference>& differences, const OdometryNoise& fallback = {});
 
 /// Information of an odometry step of the given length (metres). `min_length` keeps a standstill from being certain.

@@ -2,6 +2,7 @@
 #include "apps/lab/earlier_flight.h"
 
 #include <algorithm>
+#include <iterator>
 #include <string>
 #include <utility>
 

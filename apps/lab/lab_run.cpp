@@ -83,6 +83,15 @@ void write_text(const fs::path& path, const std::string& text) {
   file.commit();
 }
 
+/// What was told of cells that are to be made anew.
+void remove_tables(const fs::path& out) {
+  for (const char* name : {"results.csv", "results.json", "table.md"}) {
+    std::error_code error;
+    fs::remove(out / name, error);
+    if (error) throw InputError((out / name).string() + ": is of an earlier run and cannot be removed: " + error.message());
+  }
+}
+
 /// Pictures of an earlier description, which the present one may not write again.
 void remove_figures(const fs::path& out) {
   std::vector<fs::path> figures;
@@ -110,7 +119,11 @@ LabRunReport run_lab(const LabDescription& description, const fs::path& out, con
   }
   open_folder(out);
   const FolderLock lock(out);
-  if (options.if_found == WorkState::IfFound::Discard) remove_cells(out / "cells");
+  if (options.if_found == WorkState::IfFound::Discard) {
+    remove_tables(out);
+    remove_figures(out);
+    remove_cells(out / "cells");
+  }
   LabRunReport report;
   report.num_cells = cells.size();
   report.num_stale = count_stale(out / "cells", checksums);

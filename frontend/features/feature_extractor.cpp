@@ -72,7 +72,8 @@ cv::Mat within_side(const cv::Mat& gray, int max_side_px) {
   if (side_px <= max_side_px) return gray;
   const double scale = static_cast<double>(max_side_px) / side_px;
   cv::Mat small;
-  cv::resize(gray, small, {}, scale, scale, cv::INTER_AREA);
+  const cv::Size size(std::max(1, cvRound(scale * gray.cols)), std::max(1, cvRound(scale * gray.rows)));
+  cv::resize(gray, small, size, 0, 0, cv::INTER_AREA);
   return small;
 }
 

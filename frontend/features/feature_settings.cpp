@@ -192,6 +192,8 @@ FeatureOptions feature_options_from_json(std::string_view text) {
   const Json json = Json::parse(text, nullptr, false);
   if (!json.is_object()) throw InputError("feature options: no JSON object");
   if (json.contains("adaptive")) options.adaptive.emplace();
+  // Of a version that looked at images as they are.
+  if (!json.contains("max_side_px")) options.max_side_px = kLargestSidePx;
   std::size_t num_read = 0, num_values = 0;
   for_each_option(options, [&](const std::string& key, auto& field, const char*) {
     const Json* value = find_value(json, parts_of(key));

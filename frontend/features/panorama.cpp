@@ -20,7 +20,9 @@ int padding_of(const cv::Mat& gray) {
 /// As many features in the image itself as were asked for, and some in the continuation.
 FeatureOptions options_for(const FeatureExtractor& extractor, int width, int padding) {
   FeatureOptions options = extractor.options();
-  const double wanted = std::ceil(options.max_features * (1.0 + 2.0 * padding / width));
+  const double growth = 1.0 + 2.0 * padding / width;
+  const double wanted = std::ceil(options.max_features * growth);
+  options.max_side_px = static_cast<int>(std::min<double>(kLargestSidePx, std::ceil(options.max_side_px * growth)));
   constexpr double kMostOfPanorama = 1'000'000;
   options.max_features = static_cast<int>(std::min(wanted, kMostOfPanorama));
   return options;

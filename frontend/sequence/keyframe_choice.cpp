@@ -2,10 +2,10 @@
 #include "frontend/sequence/keyframe_choice.h"
 
 #include <algorithm>
-#include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
+#include <string>
 
 #include "frontend/error.h"
 
@@ -22,7 +22,8 @@ cv::Mat at_working_size(const cv::Mat& gray) {
   const double scale = static_cast<double>(kWorkingSide) / std::max(gray.cols, gray.rows);
   if (scale >= 1.0) return gray.clone();
   cv::Mat small;
-  cv::resize(gray, small, {}, scale, scale, cv::INTER_AREA);
+  const cv::Size size(std::max(1, cvRound(scale * gray.cols)), std::max(1, cvRound(scale * gray.rows)));
+  cv::resize(gray, small, size, 0, 0, cv::INTER_AREA);
   return small;
 }
 

@@ -8,7 +8,7 @@
 namespace fabloop {
 
 struct KeyframeChoiceOptions {
-  /// A keyframe shares at most this part of its area with the keyframe before it, where images come fast enough.
+  /// A keyframe is the first image that shares no more than this part of its area with the keyframe before it.
   double max_overlap = 0.85;
   /// It comes earlier when fewer of the last keyframe's corners than this part are still followed: parallax of a deep scene,
   /// something in the way, a change of light.

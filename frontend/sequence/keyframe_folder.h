@@ -29,7 +29,8 @@ struct KeyframeCount {
 /// The keyframes of a video, or of a folder of images at video rate, as a sequence folder of its own: `images/` (a folder's files
 /// as they are; a video's frames as JPEG), `frames.csv` with their times, `camera.yaml`, and the source's `odometry.tum`,
 /// `reference.tum` and `gps.csv`, whose other lines do no harm. Files that count images, such as `pairs.csv`, do not come along.
-/// Throws InputError as ImageSource and OutputFolder do, and for a calibration that is not one.
+/// Throws InputError as ImageSource and OutputFolder do, for a calibration that is not one, for an output that would replace its
+/// own source, and for image names that `frames.csv` cannot hold.
 KeyframeCount write_keyframe_folder(const std::filesystem::path& source, const std::filesystem::path& out,
                                     const KeyframeFolderOptions& options = {});
 

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "frontend/fabmap/ground_truth.h"
 #include "posegraph/evaluation/loop_truth.h"
 
 namespace fabloop {
@@ -58,6 +59,11 @@ struct LoopEvaluation {
   std::optional<double> pair_recall;   ///< True pairs further apart than the window with a true loop; none without pairs.
   std::vector<JudgedLoop> loops;       ///< The accepted ones, in order.
 };
+
+/// Where no pairs are known: between the radius of true pairs and `false_radius_m` (none: three times the height above ground, as
+/// far as oblique cameras see) camera centres show one place or not, and only a right pose tells. Sets it for places and loops.
+/// Throws InputError for a radius below that of true pairs.
+void set_false_radius(PoseRules& places, LoopEvaluationOptions& loops, std::optional<double> false_radius_m = {});
 
 /// Judges one loop that has a pose, accepted or not. Throws InputError for a frame position beyond the truth's frames.
 JudgedLoop judge_loop(const LoopRecord& record, const LoopTruth& truth, const LoopEvaluationOptions& options = {});

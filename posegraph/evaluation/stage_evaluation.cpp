@@ -28,6 +28,11 @@ int stages_passed(Verdict verdict) {
   }
 }
 
+bool knows_poses(const LoopTruth& truth) {
+  return std::any_of(truth.world_from_camera.begin(), truth.world_from_camera.end(),
+                     [](const auto& pose) { return pose.has_value(); });
+}
+
 /// A right relative pose proves that the frames show one place, where nothing else says so.
 bool proves_place(const LedgerRow& row, MatchTruth place, const LoopTruth& truth, const LoopEvaluationOptions& options) {
   if (truth.pairs || place != MatchTruth::NotJudged || !row.loop.match_from_query) return false;
@@ -104,7 +109,11 @@ JudgedRun judge_run(const LedgerTable& ledger, const GroundTruth& places, const 
                     const LoopEvaluationOptions& options) {
   JudgedRun run;
   run.recipe = places.recipe + "; from geometry on, " + recipe({loops.world_from_camera, std::nullopt}, options);
-  if (!loops.pairs) run.recipe += "; a right pose makes a pair true that is not judged by these rules";
+  if (!loops.pairs && knows_poses(loops)) {
+    run.recipe +=
+        "; a right pose makes a pair true that is not judged by these rules, so that recall is of what these rules or this run "
+        "know";
+  }
   run.queries = query_truths(places);
   for (const LedgerRow& row : ledger.rows) {
     const auto& [query, match] = std::pair(row.loop.query, row.loop.match);

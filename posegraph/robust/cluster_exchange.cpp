@@ -2,11 +2,13 @@
 #include "posegraph/robust/cluster_exchange.h"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 #include <utility>
 
 #include "posegraph/robust/loop_clusters.h"
 #include "posegraph/robust/sure_path.h"
+#include "posegraph/robust/weighted_solve.h"
 
 namespace fabloop {
 namespace {
@@ -92,7 +94,7 @@ class Exchange {
     Cluster all;
     for (const Cluster& cluster : candidates) all.insert(all.end(), cluster.begin(), cluster.end());
     if (all.empty()) return false;
-    if (try_with(all, 1.0, Initialization::Chordal)) {
+    if (try_with(all, 1.0, relaxation_of(optimize_))) {
       ++result_.num_let_in;
       return true;
     }
@@ -101,7 +103,7 @@ class Exchange {
     for (const Cluster& cluster : candidates) {
       if (num_failures == options_.max_failures) break;
       if (candidates.size() == 1) break;
-      const bool is_better = try_with(cluster, 1.0, Initialization::Chordal);
+      const bool is_better = try_with(cluster, 1.0, relaxation_of(optimize_));
       num_failures = is_better ? 0 : num_failures + 1;
       result_.num_let_in += is_better;
       has_let_in = has_let_in || is_better;

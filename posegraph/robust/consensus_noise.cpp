@@ -19,16 +19,17 @@ constexpr double kRoughTolerance = 1e-4;
 }  // namespace
 
 std::optional<double> consensus_rotation_factor(const PoseGraph& graph, const LoopConsistency& loops,
-                                                const std::vector<EdgeKind>& doubted, const OptimizeOptions& optimize) {
+                                                const std::vector<EdgeKind>& doubted, const std::vector<double>& sure_weights,
+                                                const std::vector<bool>& is_doubted, const OptimizeOptions& optimize) {
   const SurePaths paths(graph, doubted);
-  for (const std::vector<std::size_t>& cluster : cluster_loops(loops)) {
-    if (cluster.size() < 2) break;
+  for (std::vector<std::size_t>& cluster : cluster_loops(loops)) {
+    std::erase_if(cluster, [&](std::size_t k) { return !is_doubted[loops.edges()[k]]; });
+    if (cluster.size() < 2) continue;
     if (!is_agreed_by(graph, loops, paths, cluster)) continue;
-    EdgeWeights edges{std::vector<double>(graph.edges.size(), 1.0), std::vector<bool>(graph.edges.size(), false)};
-    for (const std::size_t e : loops.edges()) edges.weights[e] = 0.0;
+    EdgeWeights edges{sure_weights, std::vector<bool>(graph.edges.size(), false)};
     for (const std::size_t k : cluster) edges.weights[loops.edges()[k]] = 1.0;
     OptimizeOptions rough = optimize;
-    rough.initialization = Initialization::Chordal;
+    rough.initialization = relaxation_of(optimize);
     rough.robust_loss = RobustLoss::None;
     rough.cost_tolerance = std::max(rough.cost_tolerance, kRoughTolerance);
     PoseGraph closed = graph;

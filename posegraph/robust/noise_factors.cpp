@@ -41,6 +41,7 @@ NoiseFactors operator*(const NoiseFactors& a, const NoiseFactors& b) {
 }
 
 NoiseFactors estimate_noise(const PoseGraph& graph, const std::vector<double>& weights, Objective objective, double probability) {
+  if (!graph.priors.empty()) return {};
   PoseGraph translations = graph;
   PoseGraph rotations = graph;
   Component translation;
@@ -64,8 +65,7 @@ NoiseFactors estimate_noise(const PoseGraph& graph, const std::vector<double>& w
     translation.sum += weights[e] * of_translations[e] / of_objective.translation;
     rotation.sum += weights[e] * of_rotations[e] / of_objective.rotation;
   }
-  const auto num_free =
-      static_cast<double>(graph.vertices.size() - find_anchors(graph, connected_components(kept)).size());
+  const auto num_free = static_cast<double>(graph.vertices.size() - find_anchors(graph, connected_components(kept)).size());
   translation.degrees_of_freedom -= graph.dimension * num_free;
   rotation.degrees_of_freedom -= (graph.dimension == 2 ? 1.0 : 3.0) * num_free;
   return {factor_of(translation, probability), factor_of(rotation, probability)};

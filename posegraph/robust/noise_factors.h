@@ -22,9 +22,10 @@ NoiseFactors factors_of_objective(Objective objective, int dimension);
 NoiseFactors operator*(const NoiseFactors& a, const NoiseFactors& b);
 
 /// Variance components of a graph at its optimum (Helmert 1907; Koch, Parameter Estimation and Hypothesis Testing in Linear
-/// Models, 1999, section 3.6): the sum of squared errors of all translations over what is left of their number when each vertex has
-/// taken its three, and the same for rotations; what the objective itself adds is taken off. Edges of weight 0 do not count. A factor is moved from 1 no further than the
-/// errors show with `probability`, since few loops show little; and it stays above a millionth, where solves end.
+/// Models, 1999, section 3.6): the sum of squared errors of all translations over what is left of their number when each vertex
+/// has taken its three, and the same for rotations; what the objective itself adds is taken off. Edges of weight 0 do not count.
+/// A factor is moved from 1 no further than the errors show with `probability`, since few loops show little; and it stays above a
+/// millionth, where solves end. 1 for a graph with priors: what these pull is not told from how far edges err.
 NoiseFactors estimate_noise(const PoseGraph& graph, const std::vector<double>& weights, Objective objective,
                             double probability = 0.99);
 

@@ -47,6 +47,10 @@ void check(const PoseGraph& graph, const RobustOptions& options) {
     throw InputError("robust back end: the inlier probability must be between 0 and 1, both excluded");
   }
   if (!(options.gnc_factor > 1.0)) throw InputError("robust back end: the factor of graduated non-convexity must be above 1");
+  if (options.back_end == BackEnd::SwitchableConstraints && !graph.priors.empty()) {
+    throw InputError("robust back end: switchable constraints know no priors, of which the graph has " +
+                     std::to_string(graph.priors.size()) + "; take another back end, or a graph without them");
+  }
   if (!options.warm_weights.empty() && options.warm_weights.size() != graph.edges.size()) {
     throw InputError("robust back end: there are " + std::to_string(options.warm_weights.size()) +
                      " weights of an earlier solve for " + std::to_string(graph.edges.size()) +
@@ -144,7 +148,8 @@ void begin_with_clusters(PoseGraph& graph, GraduatedProblem& problem, const Role
   double noise_scale = roles.noise_scale;
   if (options.back_end == BackEnd::GncTruncated && options.noise == NoiseScale::Observed) {
     const LoopConsistency as_told(graph, options.doubted, options.inlier_probability, noise_scale);
-    if (const auto rotation = consensus_rotation_factor(graph, as_told, options.doubted, options.optimize)) {
+    if (const auto rotation = consensus_rotation_factor(graph, as_told, options.doubted, weights_of(roles, 0.0).weights,
+                                                        roles.is_doubted, options.optimize)) {
       graph = with_noise(std::move(graph), {noise_scale, std::min(noise_scale, *rotation)});
       problem.c2 = thresholds(graph, options.inlier_probability);
       noise_scale = 1.0;

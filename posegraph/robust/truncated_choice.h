@@ -30,7 +30,7 @@ struct TruncatedChoice {
 double truncated_cost(const TruncatedProblem& problem, const std::vector<double>& chi2);
 
 /// Solves for the weights of the problem and chooses by its thresholds in turns, from the graph's poses, until the choice
-/// stays, or is that of `known_weights`, of which the caller knows all. `optimize` says where to begin.
+/// stays, or is that of `known_weights`, which the caller has settled already. `optimize` says where to begin.
 TruncatedChoice settle(PoseGraph graph, const TruncatedProblem& problem, OptimizeOptions optimize,
                        const std::vector<double>& known_weights = {});
 

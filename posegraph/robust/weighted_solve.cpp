@@ -14,6 +14,7 @@ OptimizeReport solve_weighted(PoseGraph& graph, const EdgeWeights& edges, Optimi
   weighted.dimension = graph.dimension;
   weighted.vertices = std::move(graph.vertices);
   weighted.priors = graph.priors;
+  for (VertexPrior& prior : weighted.priors) prior.information /= noise_scale;  // as the edges: only ratios place the vertices
   for (std::size_t e = 0; e < graph.edges.size(); ++e) {
     if (edges.weights[e] == 0.0) continue;
     Edge edge = graph.edges[e];
@@ -26,6 +27,10 @@ OptimizeReport solve_weighted(PoseGraph& graph, const EdgeWeights& edges, Optimi
   OptimizeReport report = optimize(weighted, options);
   graph.vertices = std::move(weighted.vertices);
   return report;
+}
+
+Initialization relaxation_of(const OptimizeOptions& options) {
+  return options.freedom == Freedom::Full ? Initialization::Chordal : Initialization::AsGiven;
 }
 
 std::vector<double> thresholds(const PoseGraph& graph, double probability) {

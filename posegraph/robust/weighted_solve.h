@@ -17,8 +17,11 @@ struct EdgeWeights {
 };
 
 /// optimize() on the edges that have a weight, with their information scaled by it and, for the losses, divided by
-/// `noise_scale`. The report's edges are those edges.
+/// `noise_scale`, as that of the priors is. The report's edges are those edges.
 OptimizeReport solve_weighted(PoseGraph& graph, const EdgeWeights& edges, OptimizeOptions options, double noise_scale = 1.0);
+
+/// Where to begin anew: the chordal relaxation, where it keeps the freedom of the options.
+Initialization relaxation_of(const OptimizeOptions& options);
 
 /// Squared threshold of every edge: what the chi-square of a right one stays below with `probability`.
 std::vector<double> thresholds(const PoseGraph& graph, double probability);

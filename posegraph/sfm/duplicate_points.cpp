@@ -5,9 +5,10 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <compare>
+#include <cstdint>
 #include <opencv2/flann.hpp>
 #include <optional>
-#include <tuple>
 #include <utility>
 
 #include "posegraph/sfm/bundle_adjustment.h"

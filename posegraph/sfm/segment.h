@@ -13,7 +13,8 @@
 
 namespace fabloop {
 
-/// What structure from motion starts from. Views and tracks must outlive it and stay as they are.
+/// What structure from motion starts from. Views and tracks must outlive it; tracks change only as merge_duplicate_points() does,
+/// which keeps their numbers, and after which points of other segments no longer fit them.
 struct Scene {
   const std::vector<View>& views;
   const TrackSet& tracks;

@@ -64,6 +64,7 @@ std::optional<ViewPair> verify(const std::vector<View>& views, const CandidatePa
   pair.median_parallax_deg = deg_from_rad(median_parallax(pairs, relative->inliers, relative->match_from_query));
   pair.rotation_share = fit_rotation(pairs, relative->inliers, pose_options.max_error_rad).share;
   const PlanarScene plane = planar_scene(pairs, *relative, pose_options);
+  if (plane.closer) pair.match_from_query = plane.closer->match_from_query;
   pair.planar_ratio = plane.planar_ratio;
   pair.has_rival = !plane.rivals.empty();
   return pair;

@@ -31,8 +31,9 @@ std::vector<double> num_true_by_order(const InlierNoise& noise) {
   for (std::size_t i = 0; i < size; ++i) {
     const std::size_t first = i > reach ? i - reach : 0;
     const std::size_t end = std::min(size, i + reach + 1);
-    const double share =
-        (sums[end] - sums[first] + kPairsOfTheMeanShare * mean) / (static_cast<double>(end - first) + kPairsOfTheMeanShare);
+    // Its own residual has no part in it.
+    const double num_true = sums[end] - sums[first] - noise.p_true[i];
+    const double share = (num_true + kPairsOfTheMeanShare * mean) / (static_cast<double>(end - first - 1) + kPairsOfTheMeanShare);
     result[i] = noise.num_true * share / (1 - share) * (1 - mean) / mean;
   }
   return result;
@@ -64,7 +65,7 @@ InlierNoise estimate_inlier_noise(std::span<const double> residuals_rad, double 
     for (std::size_t i = 0; i < residuals_rad.size(); ++i) {
       if (noise.p_true[i] <= 0) continue;
       const double density = num_true[i] * normal_density(residuals_rad[i], noise.sigma_rad);
-      noise.p_true[i] = density / (density + noise.floor);
+      noise.p_true[i] = density > 0 ? density / (density + noise.floor) : 0.0;
       noise.num_true += noise.p_true[i];
       sum_of_squares += noise.p_true[i] * residuals_rad[i] * residuals_rad[i];
     }
@@ -72,8 +73,9 @@ InlierNoise estimate_inlier_noise(std::span<const double> residuals_rad, double 
 }
 
 double log_likelihood_over_floor(std::span<const double> residuals_rad, const InlierNoise& noise, double floor) {
-  double sum = -noise.num_true;
   const std::vector<double> num_true = num_true_by_order(noise);
+  double sum = 0;
+  for (const double expected : num_true) sum -= expected / static_cast<double>(num_true.size());
   for (std::size_t i = 0; i < residuals_rad.size(); ++i) {
     if (noise.p_true[i] <= 0) continue;
     sum += std::log1p(num_true[i] * normal_density(residuals_rad[i], noise.sigma_rad) / floor);

@@ -22,8 +22,9 @@ struct InlierNoise {
 InlierNoise estimate_inlier_noise(std::span<const double> residuals_rad, double max_error_rad, std::size_t num_parameters);
 
 /// Logarithm of the likelihood of residuals [rad] about a model, over that of `floor` accidental ones a radian and nothing else:
-/// sum log(1 + n N(r) / floor) - n with the n true ones' normal distribution N, as of a Poisson process. A pair more counts for
-/// it by how much more likely it is true than accidental, a sharper noise by how much closer the pairs lie.
+/// sum log(1 + n_i N(r_i) / floor) - mean(n_i) with the true ones' normal distribution N, as of a Poisson process whose rate of
+/// true pairs, n_i, follows the order of the pairs (the number of true ones everywhere where the order says nothing). A pair more
+/// counts for it by how much more likely it is true than accidental, a sharper noise by how much closer the pairs lie.
 double log_likelihood_over_floor(std::span<const double> residuals_rad, const InlierNoise& noise, double floor);
 
 }  // namespace fabloop

@@ -76,6 +76,11 @@ PlanarScene planar_scene(std::span<const RayPair> pairs, const RelativePose& bes
     });
     if (!known) scene.rivals.push_back(std::move(*rival));
   }
+  if (scene.closer) {
+    std::erase_if(scene.rivals, [&](const RelativePose& rival) {
+      return !differ(rival.match_from_query, scene.closer->match_from_query, options);
+    });
+  }
   std::stable_sort(scene.rivals.begin(), scene.rivals.end(),
                    [](const RelativePose& a, const RelativePose& b) { return a.num_true > b.num_true; });
   return scene;

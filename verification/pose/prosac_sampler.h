@@ -17,8 +17,8 @@ struct ProsacDraw {
 };
 
 /// Draws samples from the best data first and from more and more of them later: PROSAC (Chum & Matas, CVPR 2005), for data
-/// sorted by quality, best first. After `uniform_after` draws (Chum & Matas' T_N) it draws uniformly from all.
-/// Once it is known which of the first data are rich in inliers, every other sample comes from those.
+/// sorted by quality, best first. After `uniform_after` draws in order (Chum & Matas' T_N) it draws uniformly from all.
+/// Once it is known which of the first data are rich in inliers, every other sample comes from those, besides.
 template <std::size_t kSize>
 class ProsacSampler {
  public:
@@ -44,6 +44,9 @@ class ProsacSampler {
 
   /// Of how many of the first data samples are good most often.
   void set_rich(std::size_t num_first) { rich_ = num_first; }
+
+  /// How many samples were drawn in order, not from the rich ones.
+  double num_in_order() const { return iteration_; }
 
   /// How the last sample was drawn.
   ProsacDraw draw() const { return draw_; }

@@ -121,13 +121,14 @@ class Ransac {
 
   std::optional<RansacResult<Model>> run() {
     constexpr std::size_t kBatch = CandidateOf<Problem>::kBatchSize;
-    double most = options_.max_iterations;
-    if (options_.min_inliers > kSize) {
-      most = std::min(most, needed_iterations(options_.min_inliers, problem_.size(), kSize, options_.confidence));
-    }
+    // Draws from the best model's own data find no other model, so they do not count.
+    const double most_elsewhere = options_.min_inliers > kSize
+                                      ? needed_iterations(options_.min_inliers, problem_.size(), kSize, options_.confidence)
+                                      : std::numeric_limits<double>::infinity();
     const double enough = -std::log(1.0 - options_.confidence);
     int iteration = 0;
-    for (; iteration < most && good_.expected() < enough; iteration += static_cast<int>(kBatch)) {
+    for (; iteration < options_.max_iterations && sampler_.num_in_order() < most_elsewhere && good_.expected() < enough;
+         iteration += static_cast<int>(kBatch)) {
       if (!try_samples()) continue;
       optimise_locally();
       good_.set_inliers(best_->inliers, p_accident_);

@@ -177,6 +177,49 @@ TEST(KeyframeFolder, AFolderKeepsItsFilesAndWhatGoesWithThem) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "out/pairs.csv")) << "it counts images";
 }
 
+TEST(KeyframeFolder, NeverReplacesWhatItIsMadeOf) {
+  const TemporaryFolder folder;
+  folder.write("in/images/0.png", encoded_image(".png"));
+  folder.write("in/cam.yaml", std::string("x"));
+  for (const char* out : {"in", "in/", "."}) {
+    EXPECT_THAT(input_error_of([&] {
+                  write_keyframe_folder(folder.path() / "in", folder.path() / out,
+                                        {.if_exists = OutputFolder::IfExists::Replace});
+                }),
+                HasSubstr("give another folder"))
+        << out;
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "in/images/0.png"));
+  EXPECT_NO_THROW(write_keyframe_folder(folder.path() / "in", folder.path() / "in/keyframes"));
+}
+
+TEST(KeyframeFolder, TellsOfImagesThatItSkips) {
+  const TemporaryFolder folder;
+  folder.write("in/0.png", encoded_image(".png"));
+  folder.write("in/1.png", std::string("no image"));
+  std::vector<std::string> warnings;
+  const KeyframeCount count = write_keyframe_folder(folder.path() / "in", folder.path() / "out",
+                                                    {.warn = [&](const std::string& text) { warnings.push_back(text); }});
+  EXPECT_EQ(count.num_images, 1u);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_THAT(warnings[0], HasSubstr("1.png"));
+}
+
+TEST(KeyframeFolder, TimesBeforeTheEpochAreTimes) {
+  const TemporaryFolder folder;
+  folder.write("in/a.png", encoded_image(".png"));
+  folder.write("in/frames.csv", std::string("a.png,-1.500000001\n"));
+  write_keyframe_folder(folder.path() / "in", folder.path() / "out");
+  EXPECT_EQ(list_stamped_images(folder.path() / "out").at(0).time_ns, -1'500'000'001);
+}
+
+TEST(KeyframeFolder, NamesThatALineCannotHoldAreRefused) {
+  const TemporaryFolder folder;
+  folder.write("in/a,b.png", encoded_image(".png"));
+  EXPECT_THAT(input_error_of([&] { write_keyframe_folder(folder.path() / "in", folder.path() / "out"); }), HasSubstr("rename"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "out"));
+}
+
 TEST(KeyframeFolder, NothingIsLeftOfWhatFails) {
   const TemporaryFolder folder;
   folder.write("in/0.png", encoded_image(".png"));

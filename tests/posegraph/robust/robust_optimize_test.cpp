@@ -141,6 +141,49 @@ TEST(RobustOptimize, PriorsPlaceTheMapWhateverBecomesOfItsLoops) {
   }
 }
 
+TEST(RobustOptimize, PriorsKeepTheirShareWhereTheNoiseIsObserved) {
+  // Errors a tenth of those told, so that the noise scale is far below 1: the optimum must be that of all, priors included.
+  const test::Circle circle = circle_of(4);
+  PoseGraph graph = circle.graph;
+  for (Edge& edge : graph.edges) edge.information /= 100.0;
+  for (std::size_t v = 0; v < graph.vertices.size(); v += 10) {
+    VertexPrior prior;
+    prior.vertex = v;
+    prior.kind = PriorKind::Position;
+    prior.world_from_frame = circle.truth.vertices[v].world_from_frame;
+    prior.world_from_frame.translation.x() += v % 20 == 0 ? 0.05 : -0.05;
+    prior.information *= 1e2;
+    graph.priors.push_back(prior);
+  }
+  PoseGraph expected = graph;
+  RobustOptions options = with(BackEnd::None);
+  options.optimize.cost_tolerance = 1e-12;
+  optimize(expected, options.optimize);
+  robust_optimize(graph, options);
+  for (std::size_t v = 0; v < graph.vertices.size(); ++v) {
+    const Eigen::Vector3d apart =
+        graph.vertices[v].world_from_frame.translation - expected.vertices[v].world_from_frame.translation;
+    EXPECT_LT(apart.norm(), 1e-4) << v;
+  }
+}
+
+TEST(RobustOptimize, SwitchableConstraintsRefusePriors) {
+  PoseGraph graph = circle_of(2).graph;
+  graph.priors.emplace_back();
+  EXPECT_THROW(robust_optimize(graph, with(BackEnd::SwitchableConstraints)), InputError);
+}
+
+TEST(RobustOptimize, EveryBackEndTurnsAboutTheVerticalOnly) {
+  const test::Circle circle = circle_of(5);
+  for (const BackEnd back_end : all_back_ends()) {
+    PoseGraph graph = circle.graph;
+    RobustOptions options = with(back_end);
+    options.optimize.freedom = Freedom::YawAndPosition;
+    options.start = RobustStart::AsGiven;
+    EXPECT_NO_THROW(robust_optimize(graph, options)) << to_string(back_end);
+  }
+}
+
 TEST(RobustOptimize, APersonsDecisionsCountAndCanBeTakenBack) {
   const test::Circle circle = circle_of(3);
   PoseGraph graph = circle.graph;

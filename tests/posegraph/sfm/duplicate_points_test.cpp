@@ -19,13 +19,34 @@ constexpr int kDimension = 32;
 /// A flight whose points look each like themselves alone, and of which some are two tracks: those who saw them first, and the
 /// rest.
 struct SplitScene {
-  explicit SplitScene(double noise_px = 0.5, std::uint64_t seed = 1)
+  explicit SplitScene(double noise_px = 0.5, std::uint64_t seed = 1, bool with_twins = false)
       : whole(test::make_synthetic_scene({.num_points = 1800, .noise_px = noise_px, .seed = seed})), random(seed) {
+    if (with_twins) add_twins();
     describe();
     split();
     segment.world_from_cameras.assign(whole.world_from_cameras.begin(), whole.world_from_cameras.end());
     segment.points.resize(tracks.tracks.size());
     refresh_all_points({whole.views, tracks}, segment);
+  }
+
+  /// A point beside every fourth one, which the same views see 2.5 px away.
+  void add_twins() {
+    std::vector<Track> tracks_with_twins = whole.tracks.tracks;
+    std::vector<Features> features;
+    for (View& view : whole.views) features.push_back(std::move(view.features));
+    for (std::size_t t = 0; t < whole.tracks.tracks.size(); t += 4) {
+      Track twin;
+      for (const TrackFeature& member : whole.tracks.tracks[t]) {
+        std::vector<cv::KeyPoint>& keypoints = features[member.view].keypoints;
+        cv::KeyPoint keypoint = keypoints[member.feature];
+        keypoint.pt.x += 2.5F;
+        twin.push_back({member.view, static_cast<std::uint32_t>(keypoints.size())});
+        keypoints.push_back(keypoint);
+      }
+      tracks_with_twins.push_back(std::move(twin));
+    }
+    for (std::size_t v = 0; v < features.size(); ++v) whole.views[v] = make_view(v, whole.camera, std::move(features[v]));
+    whole.tracks = index_tracks(std::move(tracks_with_twins), whole.views.size());
   }
 
   void describe() {
@@ -122,9 +143,11 @@ TEST(DuplicatePoints, WhatLooksDifferentStaysTwo) {
 }
 
 TEST(DuplicatePoints, WhatAViewSeesAtTwoSpotsStaysTwo) {
-  // The same look everywhere, so that places alone decide: of neighbours that views tell apart none may become one.
-  SplitScene scene(0.2);
+  // Noisy sightings, so that covariances reach far, and the same look everywhere: views alone tell neighbours apart, here twins
+  // some 10 cm (2.5 px) from every fourth point.
+  SplitScene scene(1.5, 3, true);
   for (View& view : scene.whole.views) view.features.descriptors.setTo(1.0F);
+  ASSERT_GT(num_points(scene.segment), 1000U);
   merge_duplicate_points(scene.whole.views, scene.tracks, scene.segment);
   for (std::size_t t = 0; t < scene.tracks.tracks.size(); ++t) {
     if (!scene.segment.points[t]) continue;
