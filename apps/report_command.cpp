@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "apps/command.h"
 #include "apps/report_page.h"
@@ -14,6 +15,7 @@ namespace fs = std::filesystem;
 
 struct ReportArguments {
   ReportInput input;
+  std::optional<double> false_radius_m;
   fs::path out;
 };
 

@@ -37,7 +37,7 @@ void write_jpeg(const cv::Mat& image, const fs::path& path) {
   file.commit();
 }
 
-fs::path canonical(const fs::path& path) {
+fs::path full_path(const fs::path& path) {
   const fs::path found = fs::weakly_canonical(path);
   return found.has_filename() ? found : found.parent_path();
 }
@@ -45,8 +45,8 @@ fs::path canonical(const fs::path& path) {
 /// Throws where the output would be written over what it is made of.
 void require_apart(const fs::path& input, const fs::path& out) {
   if (input.empty()) return;
-  const fs::path of_input = canonical(input), of_out = canonical(out);
-  const auto [end, unused] = std::mismatch(of_out.begin(), of_out.end(), of_input.begin(), of_input.end());
+  const fs::path of_input = full_path(input), of_out = full_path(out);
+  const auto end = std::mismatch(of_out.begin(), of_out.end(), of_input.begin(), of_input.end()).first;
   if (end == of_out.end()) {
     throw InputError(out.string() + ": holds " + input.string() +
                      ", which would be replaced by what is made of it; give another folder");

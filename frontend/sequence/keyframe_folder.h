@@ -12,7 +12,7 @@
 namespace fabloop {
 
 struct KeyframeFolderOptions {
-  KeyframeChoiceOptions choice;
+  KeyframeChoiceOptions choice{};
   std::filesystem::path camera{};  ///< Calibration to go with the images. Empty: the source folder's, where it has one.
   IfDamaged if_damaged = IfDamaged::Skip;
   OutputFolder::IfExists if_exists = OutputFolder::IfExists::Refuse;

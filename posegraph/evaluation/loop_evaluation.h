@@ -27,8 +27,8 @@ struct LoopEvaluationOptions {
   double max_rotation_error_deg = 5.0;  ///< More is a false pose.
   double max_translation_error = 0.10;  ///< Part of the height above ground; more is a false pose.
   double max_direction_error_deg =
-      15.0;         ///< For loops without scale, where the true baseline is longer than the last line allows.
-  PairRules pairs;  ///< Which pairs are true and which false.
+      15.0;           ///< For loops without scale, where the true baseline is longer than the last line allows.
+  PairRules pairs{};  ///< Which pairs are true and which false.
   /// Where no pairs are known: camera centres further apart [m] show different places, whatever the pose. None: poses alone
   /// decide.
   std::optional<double> false_radius_m{};

@@ -56,6 +56,13 @@ TEST_F(MapFromImages, HasAReportInTheReferencesUnitAndSaysWhatLoopsAreWorth) {
   EXPECT_EQ(errors, (std::vector<std::string>{"odometry", "final"}));
   const ProgramResult judged = run_fabloop({"evaluate", run_.string(), "--truth", flight.string(), "--sim3", "--json"});
   ASSERT_EQ(judged.exit_code, 0) << judged.err;
+  const ProgramResult by_poses =
+      run_fabloop({"evaluate", run_.string(), "--truth", (flight / "reference.tum").string(), "--yaw", "--false-radius", "100"});
+  ASSERT_EQ(by_poses.exit_code, 0) << by_poses.err;
+  EXPECT_THAT(by_poses.out, HasSubstr("aligned by yaw"));
+  EXPECT_THAT(by_poses.out, HasSubstr("a pair is false beyond 100 m"));
+  expect_refused(run_fabloop({"evaluate", run_.string(), "--truth", (flight / "reference.tum").string(), "--false-radius", "5"}),
+                 "false radius");
   const auto figures = nlohmann::json::parse(judged.out);
   const auto ate = [&](const char* name) { return figures.at("trajectories").at(name).at("ate_m").at("rmse").get<double>(); };
   EXPECT_DOUBLE_EQ(figures.at("error_left").get<double>(), ate("trajectory.tum") / ate("trajectory_odometry.tum"));

@@ -109,6 +109,10 @@ TEST_F(RobustCommand, KeepsRollAndPitchOnRequest) {
     moved += (before.vertices[v].world_from_frame.translation - after.vertices[v].world_from_frame.translation).norm();
   }
   EXPECT_GT(moved, 0.1);
+  std::vector<std::string> robust = command;
+  robust.insert(robust.end(), {"--robust", "gnc-truncated", "--from-poses", "--overwrite"});
+  const ProgramResult doubted = run_fabloop(robust);
+  EXPECT_EQ(doubted.exit_code, 0) << doubted.err;
   std::vector<std::string> certified = command;
   certified.insert(certified.end(), {"--certify", "--overwrite"});
   expect_refused(run_fabloop(certified), "--freedom");

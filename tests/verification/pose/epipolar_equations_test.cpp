@@ -100,7 +100,9 @@ TEST_P(EpipolarEquationsOf, AnglesOfPairsBehindACameraAreHalfATurn) {
     EXPECT_NEAR(angles[i], behind ? kPi : angle, kTolerance) << i;
     num_behind += behind;
   }
-  if (angles.size() >= 200) EXPECT_GT(num_behind, 0);  // of the outliers some
+  if (angles.size() >= 200) {
+    EXPECT_GT(num_behind, 0) << "of the outliers some";
+  }
 }
 
 // Of one lane, of a whole number of vectors, and of one pair more.
