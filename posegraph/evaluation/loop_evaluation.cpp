@@ -147,6 +147,14 @@ LoopEvaluation evaluate_loops(const std::vector<LoopRecord>& records, const Loop
   return result;
 }
 
+std::string pose_recipe(const LoopEvaluationOptions& options) {
+  std::ostringstream text;
+  text << "a pose is false beyond " << options.max_rotation_error_deg << " deg or " << 100.0 * options.max_translation_error
+       << " % of " << options.height_above_ground_m
+       << " m height above ground (without scale: " << options.max_direction_error_deg << " deg of direction)";
+  return text.str();
+}
+
 std::string recipe(const LoopTruth& truth, const LoopEvaluationOptions& options) {
   std::ostringstream text;
   if (truth.pairs) {
@@ -155,9 +163,7 @@ std::string recipe(const LoopTruth& truth, const LoopEvaluationOptions& options)
     text << "no pairs are known, so loops are judged by their poses alone; ";
     if (options.false_radius_m) text << "a pair is false beyond " << *options.false_radius_m << " m; ";
   }
-  text << "a pose is false beyond " << options.max_rotation_error_deg << " deg or " << 100.0 * options.max_translation_error
-       << " % of " << options.height_above_ground_m
-       << " m height above ground (without scale: " << options.max_direction_error_deg << " deg of direction)";
+  text << pose_recipe(options);
   if (truth.pairs) {
     text << "; query recall is over queries with a pair of overlap >= " << options.min_recall_overlap
          << ", pair recall over all true pairs";

@@ -72,6 +72,9 @@ JudgedLoop judge_loop(const LoopRecord& record, const LoopTruth& truth, const Lo
 LoopEvaluation evaluate_loops(const std::vector<LoopRecord>& records, const LoopTruth& truth,
                               const LoopEvaluationOptions& options = {});
 
+/// The rules about poses in words.
+std::string pose_recipe(const LoopEvaluationOptions& options = {});
+
 /// The rules in words, with their figures: what a reader must know to compare.
 std::string recipe(const LoopTruth& truth, const LoopEvaluationOptions& options = {});
 

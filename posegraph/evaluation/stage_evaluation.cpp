@@ -108,7 +108,7 @@ void forget_ranking(StageResult& stage) {
 JudgedRun judge_run(const LedgerTable& ledger, const GroundTruth& places, const LoopTruth& loops,
                     const LoopEvaluationOptions& options) {
   JudgedRun run;
-  run.recipe = places.recipe + "; from geometry on, " + recipe({loops.world_from_camera, std::nullopt}, options);
+  run.recipe = places.recipe + "; from geometry on, " + (loops.pairs ? pose_recipe(options) : recipe(loops, options));
   if (!loops.pairs && knows_poses(loops)) {
     run.recipe +=
         "; a right pose makes a pair true that is not judged by these rules, so that recall is of what these rules or this run "
