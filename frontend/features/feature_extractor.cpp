@@ -14,6 +14,7 @@
 #include "frontend/features/detectors.h"
 #include "frontend/features/spatially_even.h"
 #include "frontend/features/surf.h"
+#include "frontend/within_side.h"
 
 namespace fabloop {
 namespace {
@@ -64,17 +65,6 @@ Features choose_then_describe(const cv::Mat& image, const FeatureOptions& option
   std::vector<cv::KeyPoint> chosen;
   for (const std::size_t i : evenly(detected, image, options)) chosen.push_back(detected[i]);
   return describe(image, std::move(chosen), options);
-}
-
-/// The image at the size at which it is looked at.
-cv::Mat within_side(const cv::Mat& gray, int max_side_px) {
-  const int side_px = std::max(gray.cols, gray.rows);
-  if (side_px <= max_side_px) return gray;
-  const double scale = static_cast<double>(max_side_px) / side_px;
-  cv::Mat small;
-  const cv::Size size(std::max(1, cvRound(scale * gray.cols)), std::max(1, cvRound(scale * gray.rows)));
-  cv::resize(gray, small, size, 0, 0, cv::INTER_AREA);
-  return small;
 }
 
 /// Keypoints of an image of `from` as those of the same image at `to`; pixel centres are at integers.

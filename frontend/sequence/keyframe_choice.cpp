@@ -8,6 +8,7 @@
 #include <string>
 
 #include "frontend/error.h"
+#include "frontend/within_side.h"
 
 namespace fabloop {
 namespace {
@@ -17,15 +18,6 @@ constexpr int kWorkingSide = 480;
 constexpr int kMaxCorners = 300;
 /// Fewer corners say nothing about the whole picture.
 constexpr std::size_t kMinCorners = 12;
-
-cv::Mat at_working_size(const cv::Mat& gray) {
-  const double scale = static_cast<double>(kWorkingSide) / std::max(gray.cols, gray.rows);
-  if (scale >= 1.0) return gray.clone();
-  cv::Mat small;
-  const cv::Size size(std::max(1, cvRound(scale * gray.cols)), std::max(1, cvRound(scale * gray.rows)));
-  cv::resize(gray, small, size, 0, 0, cv::INTER_AREA);
-  return small;
-}
 
 std::vector<cv::Point2f> corners_of(const cv::Mat& image) {
   constexpr double kQuality = 0.01, kMinDistance = 10;
@@ -51,7 +43,7 @@ KeyframeChoice::KeyframeChoice(const KeyframeChoiceOptions& options) : options_(
 }
 
 bool KeyframeChoice::takes(const cv::Mat& gray) {
-  const cv::Mat image = at_working_size(gray);
+  const cv::Mat image = within_side(gray, kWorkingSide).clone();  // the caller may use its own again
   overlap_ = 0;
   if (!last_.empty() && last_.size() == image.size() && num_corners_ >= kMinCorners) {
     follow(image);

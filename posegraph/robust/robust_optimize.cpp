@@ -148,8 +148,8 @@ void begin_with_clusters(PoseGraph& graph, GraduatedProblem& problem, const Role
   double noise_scale = roles.noise_scale;
   if (options.back_end == BackEnd::GncTruncated && options.noise == NoiseScale::Observed) {
     const LoopConsistency as_told(graph, options.doubted, options.inlier_probability, noise_scale);
-    if (const auto rotation = consensus_rotation_factor(graph, as_told, options.doubted, weights_of(roles, 0.0).weights,
-                                                        roles.is_doubted, options.optimize)) {
+    if (const auto rotation =
+            consensus_rotation_factor(graph, as_told, options.doubted, problem.weights, problem.is_doubted, options.optimize)) {
       graph = with_noise(std::move(graph), {noise_scale, std::min(noise_scale, *rotation)});
       problem.c2 = thresholds(graph, options.inlier_probability);
       noise_scale = 1.0;
