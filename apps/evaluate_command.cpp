@@ -256,7 +256,7 @@ void add_evaluate_command(CLI::App& program) {
   add_output_options(command, *arguments);
   command->callback([arguments] {
     if (arguments->max_angle_deg > 0.0) arguments->truth.places.poses.max_angle_deg = arguments->max_angle_deg;
-    set_false_radius(arguments->truth.places.poses, arguments->loops, arguments->false_radius_m);
+    set_false_radius(arguments->truth, arguments->loops, arguments->false_radius_m);
     arguments->loops.exclusion_window = arguments->truth.places.exclusion_window;
     run_evaluate(*arguments);
   });

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
-#include <opencv2/imgcodecs.hpp>
+#include <opencv2/core.hpp>
 #include <string>
 #include <vector>
 
@@ -18,6 +18,7 @@
 #include "frontend/features/feature_settings.h"
 #include "frontend/features/surf.h"
 #include "frontend/output_file.h"
+#include "frontend/recognition/plot.h"
 #include "frontend/sequence/image_folder.h"
 #include "frontend/sequence/sequence.h"
 
@@ -85,14 +86,6 @@ std::vector<std::size_t> evenly_chosen(std::size_t count, std::size_t wanted) {
   return chosen;
 }
 
-void write_picture(const fs::path& path, const cv::Mat& picture) {
-  std::vector<unsigned char> bytes;
-  cv::imencode(".png", picture, bytes);
-  OutputFile file(path);
-  file.stream().write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  file.commit();
-}
-
 void write_text(const fs::path& path, const std::string& text) {
   OutputFile file(path);
   file.stream() << text;
@@ -108,7 +101,7 @@ void draw(const std::vector<fs::path>& images, const FeatureKind& kind, const st
     const std::string title = name + ": " + std::to_string(keypoints.size()) + " features, " +
                               std::to_string(std::lround(1e3 * seen[image].time_s)) + " ms";
     gallery.pictures[k].push_back(draw_features(read_gray_image(images[image]), kind, keypoints, title));
-    write_picture(out / (images[image].stem().string() + "_" + name + ".png"), gallery.pictures[k].back());
+    write_png(out / (images[image].stem().string() + "_" + name + ".png"), gallery.pictures[k].back());
   }
 }
 
@@ -117,7 +110,7 @@ void write_montages(const std::vector<fs::path>& images, const Gallery& gallery,
     const auto count = static_cast<double>(gallery.pictures[k].size());
     if (count < 2) return;
     const int columns = static_cast<int>(std::ceil(std::sqrt(count)));
-    write_picture(out / (images[gallery.images[k]].stem().string() + "_montage.png"), montage(gallery.pictures[k], columns, 800));
+    write_png(out / (images[gallery.images[k]].stem().string() + "_montage.png"), montage(gallery.pictures[k], columns, 800));
   }
 }
 

@@ -86,7 +86,7 @@ void write_report_of(const MapArguments& arguments, const Sequence& sequence, co
     input.truth.truth = arguments.reference.empty() ? fs::path(arguments.sequence) : fs::path(arguments.reference);
     input.truth.frames = input.truth.run / "frames.csv";
     input.truth.places.max_time_difference_s = arguments.max_time_difference_s;
-    set_false_radius(input.truth.places.poses, input.loops);
+    set_false_radius(input.truth, input.loops);
   }
   input.images = sequence.frames.front().image_path.parent_path();
   input.num_threads = common.num_threads;

@@ -24,7 +24,7 @@ void run_report(ReportArguments& arguments, const CommonOptions& common) {
   if (!fs::is_directory(run)) throw InputError(run.string() + ": is not a folder; give the folder that a run wrote");
   arguments.input.num_threads = common.num_threads;
   arguments.input.loops.exclusion_window = arguments.input.truth.places.exclusion_window;
-  set_false_radius(arguments.input.truth.places.poses, arguments.input.loops, arguments.false_radius_m);
+  set_false_radius(arguments.input.truth, arguments.input.loops, arguments.false_radius_m);
   const fs::path out = arguments.out.empty() ? run / "report.html" : arguments.out;
   write_report(out, arguments.input);
   if (!common.quiet) std::cout << "look at:     " << out.string() << '\n';

@@ -38,6 +38,11 @@ std::optional<fs::path> reference_path(const TruthArguments& arguments) {
   return arguments.truth;
 }
 
+void set_false_radius(TruthArguments& truth, LoopEvaluationOptions& loops, std::optional<double> wanted_m) {
+  loops.false_radius_m = false_radius_m(truth.places.poses, loops.height_above_ground_m, wanted_m);
+  truth.places.poses.not_judged_radius_m = loops.false_radius_m;
+}
+
 RunTruth read_run_truth(const TruthArguments& arguments) {
   RunTruth truth;
   if (const auto path = reference_path(arguments)) truth.reference = read_tum(*path);

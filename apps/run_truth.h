@@ -9,6 +9,7 @@
 #include "frontend/fabmap/ground_truth.h"
 #include "frontend/recognition/recognition_truth.h"
 #include "frontend/sequence/trajectory.h"
+#include "posegraph/evaluation/loop_evaluation.h"
 #include "posegraph/evaluation/loop_truth.h"
 
 namespace fabloop::apps {
@@ -31,6 +32,9 @@ struct RunTruth {
 
 /// The reference's file; none with a loop matrix.
 std::optional<std::filesystem::path> reference_path(const TruthArguments& arguments);
+
+/// Where no pairs are known: from where on pairs are false, for places and for loops alike; see false_radius_m().
+void set_false_radius(TruthArguments& truth, LoopEvaluationOptions& loops, std::optional<double> wanted_m = {});
 
 /// Reads it. Throws InputError naming the file that is missing or bad.
 RunTruth read_run_truth(const TruthArguments& arguments);

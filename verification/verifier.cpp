@@ -39,6 +39,11 @@ VerifierOptions of_unit(VerifierOptions options, double unit_sigma) {
   return options;
 }
 
+/// Most distinctive first, as poses are searched for.
+void sort_by_ratio(std::vector<Match>& matches) {
+  std::stable_sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) { return a.ratio < b.ratio; });
+}
+
 bool has_words(const View& view) { return view.words.size() == view.features.keypoints.size(); }
 
 /// Of the first features of two views, which have the first of the views' words.
@@ -130,7 +135,7 @@ class Gates {
     RelativePoseOptions second = pose_options_;
     second.min_inliers = static_cast<std::size_t>(std::ceil(options_.max_second_support * result_.num_true));
     if (left.size() < std::max<std::size_t>(second.min_inliers, 6)) return 0;
-    std::stable_sort(left.begin(), left.end(), [](const Match& a, const Match& b) { return a.ratio < b.ratio; });
+    sort_by_ratio(left);
     const auto other = estimate_relative_pose(ray_pairs(query_, match_, left), second);
     return other ? static_cast<int>(other->inliers.size()) : 0;
   }
@@ -169,6 +174,7 @@ class Gates {
     for (const Match& m : more) has_match[static_cast<std::size_t>(m.query)] = 1;
     std::copy_if(matches_.begin(), matches_.end(), std::back_inserter(more),
                  [&](const Match& m) { return !has_match[static_cast<std::size_t>(m.query)]; });
+    sort_by_ratio(more);
     std::vector<RayPair> pairs = ray_pairs(query_, match_, more);
     auto refined = refine_relative_pose(pairs, choice_.chosen.relative.match_from_query, pose_options_);
     if (!refined || refined->num_true <= result_.num_true) return false;

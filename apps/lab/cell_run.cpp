@@ -66,9 +66,7 @@ std::vector<ObservedImage> times_of(const Sequence& sequence) {
 void read_truths(const fs::path& folder, const LabCell& cell, CellData& data) {
   RecognitionTruthOptions options;
   options.exclusion_window = static_cast<std::size_t>(cell.settings.window);
-  LoopEvaluationOptions of_loops;
-  of_loops.height_above_ground_m = cell.height_above_ground_m;
-  set_false_radius(options.poses, of_loops);
+  options.poses.not_judged_radius_m = false_radius_m(options.poses, cell.height_above_ground_m);
   data.places = read_truth(folder, times_of(data.sequence), options);
   data.loops = read_loop_truth(folder);
   if (data.loops.world_from_camera.size() != data.sequence.frames.size())

@@ -21,8 +21,7 @@ LoopEvaluationOptions evaluation_of(const LabCell& cell) {
   LoopEvaluationOptions options;
   options.height_above_ground_m = cell.height_above_ground_m;
   options.exclusion_window = static_cast<std::size_t>(cell.settings.window);
-  PoseRules of_places;
-  set_false_radius(of_places, options);
+  options.false_radius_m = false_radius_m({}, cell.height_above_ground_m);
   return options;
 }
 

@@ -74,17 +74,15 @@ double pair_recall(const std::vector<JudgedLoop>& loops, const LoopTruth& truth,
 
 }  // namespace
 
-void set_false_radius(PoseRules& places, LoopEvaluationOptions& loops, std::optional<double> false_radius_m) {
+double false_radius_m(const PoseRules& places, double height_above_ground_m, std::optional<double> wanted_m) {
   constexpr double kHeights = 3.0;
-  if (false_radius_m && *false_radius_m < places.radius_m) {
+  if (wanted_m && *wanted_m < places.radius_m) {
     std::ostringstream text;
-    text << "pairs beyond " << *false_radius_m << " m cannot be false where those within " << places.radius_m
+    text << "pairs beyond " << *wanted_m << " m cannot be false where those within " << places.radius_m
          << " m are true; give a larger false radius";
     throw InputError(text.str());
   }
-  const double radius_m = false_radius_m.value_or(std::max(places.radius_m, kHeights * loops.height_above_ground_m));
-  places.not_judged_radius_m = radius_m;
-  loops.false_radius_m = radius_m;
+  return wanted_m.value_or(std::max(places.radius_m, kHeights * height_above_ground_m));
 }
 
 JudgedLoop judge_loop(const LoopRecord& record, const LoopTruth& truth, const LoopEvaluationOptions& options) {

@@ -95,6 +95,15 @@ void ours_scored(benchmark::State& state) {
   estimate(state, make_worlds({.outlier_ratio = share(state), .scored = true}), FivePointSolver::Lanes);
 }
 
+/// Points all over the image, in which nearly all of a real one's features lie too.
+void ours_filling(benchmark::State& state) {
+  estimate(state, make_worlds({.outlier_ratio = share(state), .fills_image = true}), FivePointSolver::Lanes);
+}
+
+void ours_filling_scored(benchmark::State& state) {
+  estimate(state, make_worlds({.outlier_ratio = share(state), .fills_image = true, .scored = true}), FivePointSolver::Lanes);
+}
+
 void opengvs(benchmark::State& state) {
   using Problem = opengv::sac_problems::relative_pose::CentralRelativePoseSacProblem;
   const std::vector<TwoViews> worlds = make_worlds({.outlier_ratio = share(state)});
@@ -154,6 +163,13 @@ void at_outlier_percents(benchmark::internal::Benchmark* benchmark) {
 BENCHMARK(ours)->Name("RelativePose")->Apply(at_outlier_percents);
 BENCHMARK(ours_scored)
     ->Name("RelativePoseScored")
+    ->ArgName("outlier_percent")
+    ->Arg(85)
+    ->Iterations(kNumTrials)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(ours_filling)->Name("RelativePoseFillingImage")->Apply(at_outlier_percents);
+BENCHMARK(ours_filling_scored)
+    ->Name("RelativePoseFillingImageScored")
     ->ArgName("outlier_percent")
     ->Arg(85)
     ->Iterations(kNumTrials)

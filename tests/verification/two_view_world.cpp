@@ -18,9 +18,13 @@ Eigen::Vector3d random_direction(Random& random) {
   return Eigen::Vector3d(normal(random), normal(random), normal(random)).normalized();
 }
 
-Eigen::Vector3d random_point(Random& random, bool planar) {
+Eigen::Vector3d random_point(Random& random, const Camera& camera, const TwoViewOptions& options) {
+  if (options.fills_image) {
+    const Eigen::Vector2d pixel(uniform_between(random, 0, camera.width - 1), uniform_between(random, 0, camera.height - 1));
+    return uniform_between(random, 4, 8) * bearings(camera, {pixel}).front().hnormalized().homogeneous();
+  }
   Eigen::Vector3d point(uniform_between(random, -5, 5), uniform_between(random, -4, 4), uniform_between(random, 8, 14));
-  if (planar) point.z() = 11 + 0.15 * point.x() - 0.1 * point.y();
+  if (options.planar) point.z() = 11 + 0.15 * point.x() - 0.1 * point.y();
   return point;
 }
 
@@ -71,7 +75,7 @@ TwoViews make_two_views(const TwoViewOptions& options) {
   std::vector<std::optional<Eigen::Vector3d>> points;
   std::vector<bool> is_outlier;
   while (static_cast<int>(points.size()) < options.num_points) {
-    const Eigen::Vector3d x_in_match = random_point(random, options.planar);
+    const Eigen::Vector3d x_in_match = random_point(random, camera, options);
     const Eigen::Vector3d x_in_query = query_from_match * x_in_match;
     if (x_in_query.z() < 1) continue;
     query.keypoints.push_back(keypoint(noisy_pixel(random, camera, x_in_query, options.noise_px)));

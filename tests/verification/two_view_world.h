@@ -14,7 +14,8 @@ struct TwoViewOptions {
   double outlier_ratio = 0;
   double noise_px = 0;
   bool planar = false;       ///< All points on one slanted plane.
-  double baseline = 2.0;     ///< Metres; the points are 8 to 14 m away.
+  double baseline = 2.0;     ///< Metres; the points are 8 to 14 m away, in the middle two thirds of the image.
+  bool fills_image = false;  ///< Points all over the match's image, 4 to 8 m away.
   bool with_points = false;  ///< The match knows the depth of its points.
   double depth_noise = 0;    ///< Relative, of those points.
   /// The pairs are sorted by a score that is better for true ones on average: two normal distributions, as far apart as two of
