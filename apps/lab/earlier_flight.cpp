@@ -64,10 +64,11 @@ std::vector<ScoredQuery> best_of_both_flights(const ScoreTable& scores, std::siz
   return queries;
 }
 
-JudgedRun with_pairs_across(JudgedRun judged, const LedgerTable& ledger, std::size_t num_earlier_frames) {
+JudgedRun with_pairs_across(JudgedRun judged, const LedgerTable& ledger, const EarlierFlight& earlier) {
+  const std::size_t num_earlier_frames = earlier.num_frames();
   for (QueryTruth& query : judged.queries) {
     query.frame += num_earlier_frames;
-    query.num_false_pairs += num_earlier_frames;
+    query.num_false_pairs += earlier.frames.size();
   }
   for (JudgedHypothesis& hypothesis : judged.hypotheses) {
     hypothesis.query += num_earlier_frames;
@@ -84,7 +85,7 @@ JudgedRun with_pairs_across(JudgedRun judged, const LedgerTable& ledger, std::si
   std::stable_sort(judged.hypotheses.begin(), judged.hypotheses.end(),
                    [](const JudgedHypothesis& a, const JudgedHypothesis& b) { return a.query < b.query; });
   judged.has_consistency = judged.has_consistency || of_across.has_consistency;
-  judged.recipe += "; all pairs with the " + std::to_string(num_earlier_frames) + " frames of the earlier flight are false";
+  judged.recipe += "; all pairs with the " + std::to_string(earlier.frames.size()) + " places of the earlier flight are false";
   return judged;
 }
 

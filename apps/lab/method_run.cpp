@@ -119,7 +119,7 @@ JudgedRun judge_map(const Map& map, const CellData& data, const LoopEvaluationOp
   // No back end has spoken yet.
   for (JudgedHypothesis& hypothesis : run.hypotheses)
     hypothesis.num_stages_passed = std::min(hypothesis.num_stages_passed, kBeforeBackEnd);
-  return data.earlier.num_frames() > 0 ? with_pairs_across(std::move(run), ledger, data.earlier.num_frames()) : run;
+  return data.earlier.num_frames() > 0 ? with_pairs_across(std::move(run), ledger, data.earlier) : run;
 }
 
 }  // namespace
@@ -131,7 +131,7 @@ MethodResult run_method(const LabMethod& method, const ScoreTable& scores, const
   MethodResult result{method.name, scores.label, {}, {}};
   if (!description.verifies()) {
     result.run = judge_run({}, data.places, data.loops, evaluation);
-    if (data.earlier.num_frames() > 0) result.run = with_pairs_across(std::move(result.run), {}, data.earlier.num_frames());
+    if (data.earlier.num_frames() > 0) result.run = with_pairs_across(std::move(result.run), {}, data.earlier);
     add_unverified(proposals, scores, data, result.run);
   } else {
     const MapperOptions options = mapper_options(cell, num_threads);

@@ -230,7 +230,7 @@ back_ends: [map]
     EXPECT_EQ(passed(method + 2, "false"), passed(method + 1, "false"));
     EXPECT_GT(passed(method + 2, "true"), 0u);
   }
-  EXPECT_THAT(rows[0].at("recipe").get<std::string>(), HasSubstr("frames of the earlier flight are false"));
+  EXPECT_THAT(rows[0].at("recipe").get<std::string>(), HasSubstr("places of the earlier flight are false"));
 }
 
 TEST_F(LabRun, ASyntheticWorldIsMadeAndItsTroublesAreMet) {
