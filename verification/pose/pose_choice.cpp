@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "verification/pose/epipolar_refinement.h"
 #include "verification/pose/planar_ambiguity.h"
 #include "verification/uncertain_pose.h"
 
@@ -31,17 +32,35 @@ double other_log_likelihood(const PoseCandidate& candidate, const std::optional<
 /// As how many independent pairs so many count. What is left of a lens's distortion, or of a rolling shutter, is the same for
 /// pairs that lie near one another, a twentieth of the image say: however many they are, the image has 400 such parts, and the
 /// two poses take such errors up in different ways.
-double num_independent(double num_true) {
+double num_independent(double count) {
   constexpr double kNumParts = 400;
-  return num_true / (1.0 + num_true / kNumParts);
+  return count / (1.0 + count / kNumParts);
 }
 
-/// A noise estimated from n independent residuals is known to 1 / sqrt(2 n), relative; n times the difference of two such
-/// logarithms has a standard deviation of sqrt(n).
+/// Of each pair: log(1 + n N(r) / floor) with the true pairs' number and noise, where one accident is expected a threshold.
+std::vector<double> scores_of(const EpipolarEquations& equations, const RelativePose& relative, double max_error_rad) {
+  std::vector<double> scores = equations.angles(frame_of(relative.match_from_query), max_error_rad);
+  const double height = relative.num_true * max_error_rad / (relative.noise_rad * std::sqrt(2.0 * kPi));
+  for (double& score : scores) {
+    const double z = score / relative.noise_rad;
+    score = std::abs(score) < max_error_rad ? std::log1p(height * std::exp(-0.5 * z * z)) : 0.0;
+  }
+  return scores;
+}
+
+/// Luck: each pose's noise, estimated from n independent residuals, is known to 1 / sqrt(2 n), relative, so that n times the
+/// difference of their logarithms has a standard deviation of sqrt(n). (The differences' own scatter, as in Vuong's test, is less,
+/// but says nothing of errors of the lens.)
 double lead_over(const PoseCandidate& candidate, const PoseCandidate& other) {
   constexpr double kSigmas = 3.0;
-  const double difference = candidate.ray_score - other.ray_score;
-  const double luck = kSigmas * std::sqrt(num_independent(std::max(candidate.relative.num_true, other.relative.num_true)));
+  double count = 0, sum = 0;
+  for (std::size_t i = 0; i < candidate.pair_scores.size(); ++i) {
+    sum += candidate.pair_scores[i] - other.pair_scores[i];
+    count += candidate.pair_scores[i] > 0 || other.pair_scores[i] > 0;
+  }
+  if (count == 0) return candidate.other_score - other.other_score;
+  const double difference = num_independent(count) / count * sum;
+  const double luck = kSigmas * std::sqrt(num_independent(count));
   const double beyond_luck = std::copysign(std::max(0.0, std::abs(difference) - luck), difference);
   return beyond_luck + candidate.other_score - other.other_score;
 }
@@ -64,8 +83,8 @@ PoseChoice choose_pose(const View& query, const View& match, const std::vector<M
     scene.closer->iterations = relative.iterations;
     relative = std::move(*scene.closer);
   }
-  candidates.push_back({std::move(relative), {}, 0, 0});
-  for (RelativePose& rival : scene.rivals) candidates.push_back({std::move(rival), {}, 0, 0});
+  candidates.push_back({std::move(relative), {}, 0, {}, 0});
+  for (RelativePose& rival : scene.rivals) candidates.push_back({std::move(rival), {}, 0, {}, 0});
   for (PoseCandidate& candidate : candidates) {
     const std::vector<Match> inliers = inlier_matches(matches, candidate.relative);
     const Pose& pose = candidate.relative.match_from_query;
@@ -77,9 +96,9 @@ PoseChoice choose_pose(const View& query, const View& match, const std::vector<M
       candidate.unit_sigma = 0;
     }
   }
+  const EpipolarEquations equations = equations_of(pairs);
   for (PoseCandidate& candidate : candidates) {
-    const double num_true = candidate.relative.num_true;
-    candidate.ray_score = log_likelihood(candidate.relative, options.pose.max_error_rad) * num_independent(num_true) / num_true;
+    candidate.pair_scores = scores_of(equations, candidate.relative, options.pose.max_error_rad);
     candidate.other_score = other_log_likelihood(candidate, prior);
   }
   std::size_t best = 0;

@@ -33,8 +33,9 @@ struct PoseCandidate {
   RelativePose relative;
   std::optional<Scale> scale;  ///< What the points say of it, or the heights.
   double unit_sigma = 0;       ///< Of the points' unit of length: View::unit_sigma.
-  double ray_score = 0;        ///< Logarithm of the likelihood of its true pairs, as many as are independent; up to a constant.
-  double other_score = 0;      ///< The same of the points and of the prior.
+  /// Of each pair: by how much, in logarithms, it is likelier about this pose than at random within the threshold; 0 beyond it.
+  std::vector<double> pair_scores;
+  double other_score = 0;  ///< The same of the points and of the prior.
 };
 
 /// The poses that explain a pair of views.
@@ -47,9 +48,9 @@ struct PoseChoice {
 /// Below this lead nothing tells the two poses of a plane apart.
 inline constexpr double kMinLead = 5.0;
 
-/// The relative pose or one that a plane would explain as well. By luck, and by errors of the lens that near pairs share, rays
-/// lie closer on one of two poses that explain them alike: what counts is by how much more than three standard deviations of
-/// luck.
+/// The relative pose or one that a plane would explain as well: the likelier one, by its rays, the points and the prior. By luck,
+/// and by errors of the lens that near pairs share, rays lie closer on one of two poses that explain them alike: what counts is by
+/// how much more than three standard deviations of luck.
 PoseChoice choose_pose(const View& query, const View& match, const std::vector<Match>& matches, std::span<const RayPair> pairs,
                        RelativePose relative, const PoseChoiceOptions& options, const std::optional<PosePrior>& prior);
 
