@@ -80,10 +80,12 @@ class Adjustment {
       const BundleSighting& sighting = bundle_.sightings[i];
       TurnedView& turned = turned_[sighting.view];
       if (refines()) {
-        lens_errors_.push_back(std::make_unique<LensCost>(new bundle::LensError{bundle_.camera, turned.start(), sighting.pixel}));
+        lens_errors_.push_back(std::make_unique<LensCost>(
+            new bundle::LensError{bundle_.camera, turned.start(), sighting.pixel, bundle_.pixel_size}));
         problem_.AddResidualBlock(lens_errors_.back().get(), &loss_, view(sighting.view), point(sighting.point), lens());
       } else {
-        pinhole_errors_.emplace_back(turned, bundle_.camera.fx, bundle_.camera.fy, rays[i].head<2>() / rays[i].z());
+        pinhole_errors_.emplace_back(turned, bundle_.camera.fx / bundle_.pixel_size, bundle_.camera.fy / bundle_.pixel_size,
+                                     rays[i].head<2>() / rays[i].z());
         problem_.AddResidualBlock(&pinhole_errors_.back(), &loss_, view(sighting.view), point(sighting.point));
       }
     }
