@@ -122,6 +122,14 @@ class Adjustment {
     result.num_threads = 1;
     result.max_num_iterations = options_.max_iterations;
     result.function_tolerance = options_.cost_tolerance;
+    if (has_positions_) {
+      // They hold what sightings leave free: the whole world and slow bends. Beside thousands of sightings these cost next to
+      // nothing, and damping by the sightings' curvature, or an end at a small share of their cost, would keep them where they
+      // are.
+      constexpr double kUndamped = 1e10, kShareOfTolerance = 1e-4;
+      result.initial_trust_region_radius = kUndamped;
+      result.function_tolerance *= kShareOfTolerance;
+    }
     result.logging_type = ceres::SILENT;
     auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
     const auto add = [&](double* block, int group) {

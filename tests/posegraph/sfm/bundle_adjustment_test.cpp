@@ -124,6 +124,28 @@ TEST(BundleAdjustment, RefusesToRefineAFisheye) {
   EXPECT_THROW(adjust_bundle(bundle, {.refine = RefineCamera::Focal}), InputError);
 }
 
+TEST(BundleAdjustment, KnownPositionsMoveAndTurnAWorldThatSightingsAgreeUpon) {
+  const SyntheticScene scene = make_synthetic_scene({.num_points = 1500, .noise_px = 0.3, .seed = 6});
+  const Eigen::Vector3d vague = Eigen::Vector3d::Constant(5);
+  // The truth as another world shows it: sightings agree, positions are off by a shift, a turn and a scale.
+  const Pose other_from_world{rotation_from_vector({0.01, -0.02, 0.015}), {0.6, -0.8, 0.3}};
+  Bundle bundle;
+  bundle.camera = scene.camera;
+  const auto moved = [&](const Eigen::Vector3d& x) -> Eigen::Vector3d { return 1.01 * (other_from_world * x); };
+  for (const Pose& pose : scene.world_from_cameras) {
+    bundle.views.push_back(
+        {{other_from_world.rotation * pose.rotation, moved(pose.translation)}, false, pose.translation, vague});
+  }
+  for (std::size_t t = 0; t < scene.tracks.tracks.size(); ++t) {
+    bundle.points_in_world.push_back(moved(scene.points_in_world[t]));
+    for (const TrackFeature& member : scene.tracks.tracks[t]) {
+      bundle.sightings.push_back({member.view, t, pixel_of(scene.scene(), member)});
+    }
+  }
+  // 0.3 px are 0.012 at this height.
+  EXPECT_LT(error_of(scene, adjust_bundle(bundle)), 0.03);
+}
+
 TEST(BundleAdjustment, IsTheSameInPixelsOfAShrunkImage) {
   constexpr double kTimes = 4;
   const SyntheticScene scene = make_synthetic_scene({.num_points = 150, .noise_px = 1.0, .wrong_share = 0.05, .seed = 5});
