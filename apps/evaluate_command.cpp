@@ -25,6 +25,8 @@
 #include "posegraph/evaluation/trajectory_error.h"
 #include "posegraph/g2o/g2o_io.h"
 #include "posegraph/run/ledger_table.h"
+#include "posegraph/sfm/point_error.h"
+#include "posegraph/sfm/run_reader.h"
 
 namespace fabloop::apps {
 namespace {
@@ -84,6 +86,15 @@ ordered_json judge_trajectory(const EvaluateArguments& arguments, const fs::path
   // evo has no alignment by yaw.
   if (!arguments.yaw) result["repeat_with"] = evo.str();
   return result;
+}
+
+/// How far the points of a map from images alone lie from where the reference's cameras see them; null for other runs.
+ordered_json judge_points(const EvaluateArguments& arguments, const Trajectory& reference) {
+  const auto map = read_reconstruction(arguments.truth.run);
+  if (!map || reference.empty()) return nullptr;
+  const auto error = point_error(*map, reference, error_options(arguments));
+  if (!error) return nullptr;
+  return {{"across_m", to_json(error->across_m)}, {"height_m", to_json(error->height_m)}};
 }
 
 /// The final error as a share of the odometry's; null without both, and where they are of different frames: the error of a short
@@ -158,6 +169,7 @@ void run_evaluate(const EvaluateArguments& arguments) {
     result["trajectories"][name] = judge_trajectory(arguments, run / name, reference_trajectory);
   }
   result["error_left"] = error_left(result["trajectories"]);
+  result["points"] = judge_points(arguments, reference_trajectory);
   const bool has_loops = fs::exists(run / "loops.csv");
   if (!has_loops && result["trajectories"].empty()) {
     throw InputError(run.string() + ": has neither trajectory.tum nor loops.csv; give the folder that a run wrote");
@@ -185,6 +197,7 @@ void run_evaluate(const EvaluateArguments& arguments) {
   }
   std::cout << std::setprecision(4);
   for (const auto& [name, trajectory] : result["trajectories"].items()) print_trajectory(std::cout, name, trajectory);
+  if (!result["points"].is_null()) print_points(std::cout, result["points"]);
   if (!result["error_left"].is_null()) {
     std::cout << "ATE of trajectory.tum over that of trajectory_odometry.tum: " << result["error_left"].get<double>() << '\n';
   }

@@ -36,6 +36,16 @@ void print_trajectory(std::ostream& out, const std::string& name, const ordered_
   if (result.contains("repeat_with")) out << "  repeat with: " << result["repeat_with"].get<std::string>() << '\n';
 }
 
+void print_points(std::ostream& out, const ordered_json& result) {
+  out << "points, against where the reference's cameras see them\n";
+  const auto print = [&](const char* name, const ordered_json& errors) {
+    out << "  " << name << "  median " << errors["median"].get<double>() << " m, rmse " << errors["rmse"].get<double>()
+        << ", max " << errors["max"].get<double>() << " (" << errors["count"] << " points)\n";
+  };
+  print("across", result["across_m"]);
+  print("height", result["height_m"]);
+}
+
 void print_loops(std::ostream& out, const ordered_json& result) {
   out << "loops.csv\n  accepted " << result["accepted"] << " of " << result["hypotheses"] << " hypotheses ("
       << result["with_scale"] << " with scale): " << result["true"] << " true, " << result["false"] << " false, "

@@ -63,7 +63,9 @@ void add_method_options(CLI::App* command, MapArguments& arguments) {
       ->check(CLI::IsMember({"mean-field", "sampled"}))
       ->capture_default_str();
   command->add_option("--min-inliers", loops.verifier.min_inliers, "least inliers of a loop")->capture_default_str();
-  command->add_option("--max-error-px", loops.verifier.max_error_px, "largest epipolar error of an inlier")
+  command
+      ->add_option("--max-error-px", loops.verifier.max_error_px,
+                   "largest epipolar error of an inlier, in pixels of the image as its features were found")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command

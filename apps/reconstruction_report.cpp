@@ -30,6 +30,10 @@ void print_reconstruction_report(std::ostream& out, const Sequence& sequence, co
   out << std::setprecision(3) << folder << ": " << map.images.size() << " of " << sequence.frames.size() << " images placed, "
       << map.points.size() << " points, mean reprojection error " << result.mean_error_px << " px over " << result.num_sightings
       << " sightings\n";
+  if (result.feature_pixel_size > 1) {
+    out << "  features were found in images shrunk by " << result.feature_pixel_size << ": errors are "
+        << result.mean_error_px / result.feature_pixel_size << " px there\n";
+  }
   out << "  " << result.pairs.size() << " of " << result.num_candidate_pairs << " candidate pairs overlap\n";
   std::map<std::string, std::vector<std::size_t>> by_reason;
   for (const LeftOutFrame& frame : result.left_out) by_reason[frame.why].push_back(frame.frame);

@@ -106,7 +106,9 @@ void add_survey_command(CLI::App& program, const CommonOptions& common) {
   command->add_option("--pairs", arguments->pairs_csv, "CSV file to write every pair and its figures to");
   VerifierOptions& verifier = arguments->options.verifier;
   command->add_option("--min-inliers", verifier.min_inliers, "least inliers of a pair")->capture_default_str();
-  command->add_option("--max-error-px", verifier.max_error_px, "largest epipolar error of an inlier")
+  command
+      ->add_option("--max-error-px", verifier.max_error_px,
+                   "largest epipolar error of an inlier, in pixels of the image as its features were found")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command->add_option("--max-iterations", verifier.max_iterations, "samples that RANSAC may draw: time spent on false pairs")

@@ -151,7 +151,9 @@ void add_verifier_options(CLI::App* command, VerifierOptions& options) {
       ->capture_default_str();
   command->add_option("--min-matches", options.min_matches, "least matches worth a RANSAC")->capture_default_str();
   command->add_option("--min-inliers", options.min_inliers, "least inliers of a loop")->capture_default_str();
-  command->add_option("--max-error-px", options.max_error_px, "largest epipolar error of an inlier")
+  command
+      ->add_option("--max-error-px", options.max_error_px,
+                   "largest epipolar error of an inlier, in pixels of the image as its features were found")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   command->add_flag("--guided", options.guided, "more matches along the epipolar lines of a pose that is proven but uncertain");

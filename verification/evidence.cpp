@@ -22,9 +22,11 @@ double log10_false_alarms(std::size_t num_matches, std::size_t num_inliers, std:
          static_cast<double>(num_inliers - sample_size) * std::log10(p_accident);
 }
 
-double p_accidental_epipolar_match(int width, int height, double max_error_px) {
-  const double diagonal_px = std::hypot(width, height);
-  const double area_px = static_cast<double>(width) * height;
+double p_accidental_epipolar_match(const View& view, double max_error_px) {
+  const double width_px = view.camera.width / view.features.pixel_size;
+  const double height_px = view.camera.height / view.features.pixel_size;
+  const double diagonal_px = std::hypot(width_px, height_px);
+  const double area_px = width_px * height_px;
   // The Sampson distance shares the error between two images, so that the band in one of them is wider by sqrt(2).
   return std::min(1.0, 2.0 * std::sqrt(2.0) * max_error_px * diagonal_px / area_px);
 }

@@ -3,6 +3,8 @@
 
 #include <cstddef>
 
+#include "verification/view.h"
+
 namespace fabloop {
 
 /// log10 of how many models with as many inliers one would expect among `num_matches` matches that are all accidental: the
@@ -13,7 +15,8 @@ namespace fabloop {
 double log10_false_alarms(std::size_t num_matches, std::size_t num_inliers, std::size_t sample_size, double p_accident,
                           double models_per_sample);
 
-/// Probability that two random pixels agree with an epipolar geometry within `max_error_px`: the band's share of the image.
-double p_accidental_epipolar_match(int width, int height, double max_error_px);
+/// Probability that a random feature of the view agrees with an epipolar geometry within `max_error_px` of the image in which it
+/// was found: the band's share of the image.
+double p_accidental_epipolar_match(const View& view, double max_error_px);
 
 }  // namespace fabloop

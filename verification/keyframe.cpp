@@ -68,6 +68,9 @@ void validate_features(const Keyframe& keyframe, DescriptorKind kind) {
     fail(keyframe, "has " + std::to_string(features.keypoints.size()) + " keypoints and " +
                        std::to_string(features.descriptors.rows) + " descriptors; give one descriptor a keypoint");
   }
+  if (!(std::isfinite(features.pixel_size) && features.pixel_size > 0)) {
+    fail(keyframe, "its features' pixel size is not positive; 1 where they were found in the image as it is");
+  }
   for (const cv::KeyPoint& keypoint : features.keypoints) {
     if (!std::isfinite(keypoint.pt.x) || !std::isfinite(keypoint.pt.y)) {
       fail(keyframe, "a keypoint's pixel is not finite; leave such features out");

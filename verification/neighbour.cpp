@@ -51,7 +51,7 @@ std::optional<SeenNeighbour> see_neighbour(const View& previous, const View& cur
   if (static_cast<int>(matches.size()) < options.min_inliers || baseline <= 0) return std::nullopt;
   const std::vector<RayPair> pairs = ray_pairs(current, previous, matches);
   RelativePoseOptions pose_options;
-  pose_options.max_error_rad = options.max_error_px / previous.camera.focal_px();
+  pose_options.max_error_rad = options.max_error_px / feature_focal_px(previous);
   pose_options.max_iterations = options.max_iterations;
   pose_options.seed = pair_seed(options.seed, current.frame, previous.frame);
   const auto relative = relative_pose_near(pairs, previous_from_current_odometry, pose_options);

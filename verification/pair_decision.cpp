@@ -69,7 +69,7 @@ double field_of_view_rad(const Camera& camera) {
 
 void decide_by_points(const View& query, const View& match, const std::vector<Match>& matches, const std::vector<RayPair>& pairs,
                       const RelativePoseOptions& pose_options, const VerifierOptions& options, Verification& result) {
-  const double max_point_error_rad = options.max_point_error_px / match.camera.focal_px();
+  const double max_point_error_rad = options.max_point_error_px / feature_focal_px(match);
   const MetricPoses metric =
       estimate_metric_poses(query, match, result.inliers,
                             {options.scale.min_points, options.max_point_error_px, options.confidence, pose_options.seed});

@@ -11,21 +11,17 @@
 namespace fabloop {
 namespace {
 
-const cv::KeyPoint& matched(const View& match, const Match& m) {
-  return match.features.keypoints[static_cast<std::size_t>(m.match)];
-}
+std::size_t matched(const Match& m) { return static_cast<std::size_t>(m.match); }
 
 /// Sorted by x, so that who shares a spot is near.
-double share_of_shared_spots(const View& match, std::vector<Match> matches, double same_spot_px) {
-  std::sort(matches.begin(), matches.end(),
-            [&](const Match& a, const Match& b) { return matched(match, a).pt.x < matched(match, b).pt.x; });
+double share_of_shared_spots(const Features& match, std::vector<Match> matches, double same_spot_px) {
+  const auto x_of = [&](const Match& m) { return match.keypoints[matched(m)].pt.x; };
+  std::sort(matches.begin(), matches.end(), [&](const Match& a, const Match& b) { return x_of(a) < x_of(b); });
   std::vector<char> is_shared(matches.size(), 0);
   for (std::size_t i = 0; i < matches.size(); ++i) {
-    const cv::KeyPoint& spot = matched(match, matches[i]);
     for (std::size_t j = i + 1; j < matches.size(); ++j) {
-      const cv::KeyPoint& other = matched(match, matches[j]);
-      if (!(other.pt.x - spot.pt.x < same_spot_px)) break;
-      if (same_spot(spot, other, same_spot_px)) is_shared[i] = is_shared[j] = 1;
+      if (!(x_of(matches[j]) - x_of(matches[i]) < same_spot_px * match.pixel_size)) break;
+      if (same_spot(match, matched(matches[i]), matched(matches[j]), same_spot_px)) is_shared[i] = is_shared[j] = 1;
     }
   }
   return static_cast<double>(std::count(is_shared.begin(), is_shared.end(), char{1})) / static_cast<double>(matches.size());
@@ -48,11 +44,10 @@ cv::Mat1f distances_from(const Features& from, const std::vector<Match>& matches
 }
 
 /// Number of features at other spots than `spot` whose distance is less than the limit.
-std::size_t count_nearer(const float* distances, const std::vector<cv::KeyPoint>& keypoints, const cv::KeyPoint& spot,
-                         float limit, double same_spot_px) {
+std::size_t count_nearer(const float* distances, const Features& match, std::size_t spot, float limit, double same_spot_px) {
   std::size_t count = 0;
-  for (std::size_t m = 0; m < keypoints.size(); ++m) {
-    if (distances[m] < limit && !same_spot(keypoints[m], spot, same_spot_px)) ++count;
+  for (std::size_t m = 0; m < match.keypoints.size(); ++m) {
+    if (distances[m] < limit && !same_spot(match, m, spot, same_spot_px)) ++count;
   }
   return count;
 }
@@ -74,13 +69,13 @@ RepeatedTexture repeated_texture(const View& query, const View& match, const std
     const Match& m = chosen[static_cast<std::size_t>(i)];
     const float distance = from_query(i, m.match);
     const auto count = [&](const cv::Mat1f& distances, float limit) {
-      return count_nearer(distances[i], match.features.keypoints, matched(match, m), limit, options.same_spot_px);
+      return count_nearer(distances[i], match.features, matched(m), limit, options.same_spot_px);
     };
     num_rivals += count(from_query, near_factor * distance);
     if (count(from_itself, distance) > 0) ++num_with_lookalike;
   }
   const auto num_chosen = static_cast<double>(chosen.size());
-  return {share_of_shared_spots(match, matches, options.same_spot_px), static_cast<double>(num_rivals) / num_chosen,
+  return {share_of_shared_spots(match.features, matches, options.same_spot_px), static_cast<double>(num_rivals) / num_chosen,
           static_cast<double>(num_with_lookalike) / num_chosen};
 }
 

@@ -22,9 +22,11 @@ struct RepeatedTexture {
 };
 
 struct RepeatedTextureOptions {
-  double near_ratio = 0.9;    ///< Rivals are up to 1 / near_ratio times as far as the match.
-  double same_spot_px = 4.0;  ///< Features closer than this show one spot; wider than matching's, for one pattern at two scales.
-  int max_matches = 200;      ///< So many, evenly chosen, are compared with the whole match view: a bound on the time.
+  double near_ratio = 0.9;  ///< Rivals are up to 1 / near_ratio times as far as the match.
+  /// Features closer than this show one spot, in pixels of the image in which they were found; wider than matching's, for one
+  /// pattern at two scales.
+  double same_spot_px = 4.0;
+  int max_matches = 200;  ///< So many, evenly chosen, are compared with the whole match view: a bound on the time.
 };
 
 /// Of matches of two views: the inliers, say.

@@ -68,7 +68,7 @@ class Gates {
         prior_(prior),
         options_(options),
         pairs_(ray_pairs(query, match, matches_)) {
-    pose_options_.max_error_rad = options.max_error_px / match.camera.focal_px();
+    pose_options_.max_error_rad = options.max_error_px / feature_focal_px(match);
     pose_options_.confidence = options.confidence;
     pose_options_.max_iterations = options.max_iterations;
     pose_options_.seed = pair_seed(options.seed, query.frame, match.frame);
@@ -105,7 +105,7 @@ class Gates {
     result_.match_from_query = relative.match_from_query;
     result_.num_inliers = static_cast<int>(relative.inliers.size());
     result_.num_true = relative.num_true;
-    result_.rms_error_px = relative.noise_rad * match_.camera.focal_px();
+    result_.rms_error_px = relative.noise_rad * feature_focal_px(match_);
     result_.median_parallax_deg = deg_from_rad(median_parallax(pairs_, relative.inliers, relative.match_from_query));
   }
 
@@ -144,7 +144,7 @@ class Gates {
   double false_alarms() const {
     constexpr double kFivePointModels = 10;
     constexpr double kTests = 0.3;  // log10 of two: the better of both is taken
-    const double p_accident = p_accidental_epipolar_match(match_.camera.width, match_.camera.height, options_.max_error_px);
+    const double p_accident = p_accidental_epipolar_match(match_, options_.max_error_px);
     const double of_all = log10_false_alarms(matches_.size(), result_.inliers.size(), 5, p_accident, kFivePointModels);
     const ViewChange change = view_change(query_.features, match_.features, matches_, options_.consistency);
     const auto count = [&](const std::vector<Match>& matches) {

@@ -48,7 +48,8 @@ struct VerifierOptions {
   bool guided = false;
   int min_matches = 20;  ///< Fewer are not worth a RANSAC.
   int min_inliers = 15;  ///< The field's usual least; the accidental-inlier gate asks for more where matches abound.
-  /// Largest distance from the epipolar plane, pixels of the match. Raise it for badly known lenses and rolling shutters.
+  /// Largest distance from the epipolar plane, pixels of the match's image as its features were found (Features::pixel_size).
+  /// Raise it for badly known lenses and rolling shutters.
   double max_error_px = 2.0;
   /// The same for known points, whose own error adds to the pixel's.
   double max_point_error_px = 4.0;
@@ -103,7 +104,7 @@ struct Verification {
   double rotation_sigma_deg = 0;
   double translation_sigma = 0;  ///< Across its direction, as a share of the median depth.
   double scale_sigma = 0;        ///< Relative, of the distance between the views; 0 without scale.
-  double rms_error_px = 0;       ///< Of the epipolar inliers.
+  double rms_error_px = 0;       ///< Of the epipolar inliers; the pixels are those of max_error_px.
   int num_iterations = 0;        ///< RANSAC's, of the relative pose.
   Pose match_from_query;         ///< Translation in metres (has_scale) or a unit direction. Meaningful from AccidentalInliers on.
   bool has_scale = false;

@@ -27,6 +27,8 @@ View make_view(std::size_t frame, const Camera& camera, Features features) {
   return view;
 }
 
+double feature_focal_px(const View& view) { return view.camera.focal_px() / view.features.pixel_size; }
+
 void add_point_measurement(View& view, std::size_t i, const Eigen::Vector3d& x_in_camera, double parallax_rad) {
   constexpr double kSigmas = 3.0;
   auto& known = view.points_in_camera[i];

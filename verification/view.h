@@ -23,12 +23,15 @@ struct View {
   /// is a plane (see plane_scale.h).
   std::optional<double> height_above_ground{};
   std::vector<double> point_weights;  ///< N, of the points as measured so far; see add_point_measurement().
-  double unit_sigma = 0;  ///< Relative, of the points' common unit of length, where it is known less well than a step's.
-  std::vector<WordId> words{};        ///< N, the word of each feature; empty where nobody asks for them (see MatchBy).
+  double unit_sigma = 0;        ///< Relative, of the points' common unit of length, where it is known less well than a step's.
+  std::vector<WordId> words{};  ///< N, the word of each feature; empty where nobody asks for them (see MatchBy).
 };
 
 /// A view without points.
 View make_view(std::size_t frame, const Camera& camera, Features features);
+
+/// The focal length in pixels of the image in which the view's features were found: what turns an error of theirs into an angle.
+double feature_focal_px(const View& view);
 
 /// Gives feature i of a view another measurement of its point, seen under a parallax of `parallax_rad`. Points seen before
 /// become the mean weighed by squared parallax; when the two depths differ by more than their parallaxes allow, the feature

@@ -67,12 +67,13 @@ Features choose_then_describe(const cv::Mat& image, const FeatureOptions& option
   return describe(image, std::move(chosen), options);
 }
 
-/// Keypoints of an image of `from` as those of the same image at `to`; pixel centres are at integers.
-void move_to_size(std::vector<cv::KeyPoint>& keypoints, cv::Size from, cv::Size to) {
+/// Features of an image of `from` as those of the same image at `to`; pixel centres are at integers.
+void move_to_size(Features& features, cv::Size from, cv::Size to) {
   if (from == to) return;
   const float x = static_cast<float>(to.width) / static_cast<float>(from.width);
   const float y = static_cast<float>(to.height) / static_cast<float>(from.height);
-  for (cv::KeyPoint& keypoint : keypoints) {
+  features.pixel_size *= x;
+  for (cv::KeyPoint& keypoint : features.keypoints) {
     keypoint.pt = {(keypoint.pt.x + 0.5f) * x - 0.5f, (keypoint.pt.y + 0.5f) * y - 0.5f};
     keypoint.size *= x;
   }
@@ -83,6 +84,7 @@ void keep_finite(Features& features) {
   if (features.descriptors.type() != CV_32F || cv::checkRange(features.descriptors)) return;
   Features finite;
   finite.descriptor_kind = features.descriptor_kind;
+  finite.pixel_size = features.pixel_size;
   finite.descriptors.create(0, features.descriptors.cols, CV_32F);
   for (std::size_t i = 0; i < features.keypoints.size(); ++i) {
     const cv::Mat row = features.descriptors.row(static_cast<int>(i));
@@ -106,7 +108,7 @@ Features FeatureExtractor::extract(const cv::Mat& gray) const {
   Features features =
       describes_at_once(options_) ? describe_all_then_choose(image, options_) : choose_then_describe(image, options_);
   keep_finite(features);
-  move_to_size(features.keypoints, image.size(), gray.size());
+  move_to_size(features, image.size(), gray.size());
   return features;
 }
 

@@ -74,7 +74,7 @@ std::optional<Homography> relate(const Features& a, const Features& b, const Mat
     in_b.push_back(b.keypoints[static_cast<std::size_t>(j)].pt);
   }
   cv::Mat is_inlier;
-  const cv::Mat found = cv::findHomography(in_a, in_b, cv::RANSAC, options.max_error_px, is_inlier);
+  const cv::Mat found = cv::findHomography(in_a, in_b, cv::RANSAC, options.max_error_px * b.pixel_size, is_inlier);
   if (found.empty()) return std::nullopt;
   const Homography homography{cv::Matx33d(found), static_cast<std::size_t>(cv::countNonZero(is_inlier))};
   if (homography.num_inliers < options.min_inliers || !cv::checkRange(found)) return std::nullopt;
@@ -96,6 +96,7 @@ std::optional<CarriedPoint> carry(const cv::Matx33d& h, const cv::Point2f& p) {
 
 std::optional<double> share_found_again(const FeatureKind& kind, const SeenImage& a, const SeenImage& b,
                                         const cv::Matx33d& b_from_a, const FeatureReportOptions& options) {
+  const double reach = options.max_error_px * b.features.pixel_size;
   std::size_t num_inside = 0, num_found = 0;
   for (const cv::KeyPoint& keypoint : a.features.keypoints) {
     const std::optional<CarriedPoint> carried = carry(b_from_a, keypoint.pt);
@@ -104,7 +105,7 @@ std::optional<double> share_found_again(const FeatureKind& kind, const SeenImage
     const double size = spot_size(kind.detector, keypoint) * carried->scale;
     num_found += std::any_of(b.features.keypoints.begin(), b.features.keypoints.end(), [&](const cv::KeyPoint& other) {
       const double dx = other.pt.x - carried->point.x, dy = other.pt.y - carried->point.y;
-      if (dx * dx + dy * dy > options.max_error_px * options.max_error_px) return false;
+      if (dx * dx + dy * dy > reach * reach) return false;
       const double ratio = spot_size(kind.detector, other) / size;
       return ratio <= options.max_size_ratio && ratio * options.max_size_ratio >= 1.0;
     });

@@ -31,7 +31,8 @@ std::vector<SeenImage> see_images(std::size_t count, const ReadImage& read, cons
 struct FeatureReportOptions {
   /// Lowe's ratio test (Lowe 2004, section 7.1), among each other's nearest: what counts as a distinctive match.
   double max_ratio = 0.8;
-  /// How near to where it should be a keypoint is found again, and RANSAC's bound. More where parallax bends the ground.
+  /// How near to where it should be a keypoint is found again, and RANSAC's bound, in pixels of the image in which it was found.
+  /// More where parallax bends the ground.
   double max_error_px = 3.0;
   /// How much its size may differ from what it should be.
   double max_size_ratio = 1.5;

@@ -16,6 +16,9 @@ struct Features {
   /// and -1 where no direction was needed.
   std::vector<cv::KeyPoint> keypoints;
   cv::Mat descriptors;  ///< N x D, CV_32F or CV_8U (packed bits): see descriptor_layout(). All finite.
+  /// Side of a pixel of the image in which they were found, in pixels of the keypoints: more than 1 where that image was shrunk.
+  /// How far features may lie off, or apart, is said in pixels of the image in which they were found.
+  double pixel_size = 1.0;
 };
 
 }  // namespace fabloop

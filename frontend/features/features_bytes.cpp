@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frontend/features/features_bytes.h"
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -21,6 +22,7 @@ void put(StateBytes& bytes, const Features& features) {
     keypoints.push_back({k.pt.x, k.pt.y, k.size, k.angle, k.response, k.octave, k.class_id});
   }
   bytes.put(static_cast<std::int32_t>(features.descriptor_kind));
+  bytes.put(features.pixel_size);
   bytes.put(keypoints);
   bytes.put(features.descriptors.empty() ? cv::Mat(0, 0, CV_8UC1) : features.descriptors);
 }
@@ -30,8 +32,10 @@ Features take_features(StateBytes& bytes) {
   std::vector<StoredKeypoint> keypoints;
   Features features;
   bytes.take(kind);
+  bytes.take(features.pixel_size);
   bytes.take(keypoints);
   bytes.take(features.descriptors);
+  if (!(std::isfinite(features.pixel_size) && features.pixel_size > 0)) throw StateDamaged();
   if (kind < 0 || kind > static_cast<std::int32_t>(DescriptorKind::Kaze)) throw StateDamaged();
   features.descriptor_kind = static_cast<DescriptorKind>(kind);
   if (features.descriptors.rows != static_cast<int>(keypoints.size())) throw StateDamaged();

@@ -38,6 +38,7 @@ Features extract_panorama(const FeatureExtractor& extractor, const cv::Mat& gray
   const Features all = FeatureExtractor(options_for(extractor, gray.cols, padding)).extract(continued);
   Features features;
   features.descriptor_kind = all.descriptor_kind;
+  features.pixel_size = all.pixel_size;
   features.descriptors = cv::Mat(0, all.descriptors.cols, all.descriptors.type());
   const auto most = static_cast<std::size_t>(extractor.options().max_features);
   // Pixel centres are at integers, so the image begins half a pixel before its first one.

@@ -96,6 +96,7 @@ Features first_features(const Features& features, std::size_t count) {
   if (features.keypoints.size() <= count) return features;
   Features first;
   first.descriptor_kind = features.descriptor_kind;
+  first.pixel_size = features.pixel_size;
   first.keypoints.assign(features.keypoints.begin(), features.keypoints.begin() + static_cast<std::ptrdiff_t>(count));
   first.descriptors = features.descriptors.rowRange(0, static_cast<int>(count));
   return first;

@@ -12,26 +12,6 @@
 namespace fabloop {
 namespace {
 
-ErrorStatistics statistics(std::vector<double> errors) {
-  ErrorStatistics result;
-  result.count = errors.size();
-  if (errors.empty()) return result;
-  const auto count = static_cast<double>(errors.size());
-  double sum = 0.0;
-  double squared_sum = 0.0;
-  for (const double error : errors) {
-    sum += error;
-    squared_sum += error * error;
-  }
-  std::sort(errors.begin(), errors.end());
-  result.mean = sum / count;
-  result.rmse = std::sqrt(squared_sum / count);
-  result.max = errors.back();
-  const std::size_t half = errors.size() / 2;
-  result.median = errors.size() % 2 == 1 ? errors[half] : 0.5 * (errors[half - 1] + errors[half]);
-  return result;
-}
-
 Eigen::Matrix3Xd centres(const std::vector<PosePair>& pairs, const Pose& (*pose_of)(const PosePair&)) {
   Eigen::Matrix3Xd result(3, static_cast<Eigen::Index>(pairs.size()));
   for (std::size_t i = 0; i < pairs.size(); ++i) result.col(static_cast<Eigen::Index>(i)) = pose_of(pairs[i]).translation;
@@ -74,6 +54,26 @@ Eigen::Matrix3d best_yaw(const Eigen::Matrix3d& covariance) {
 }
 
 }  // namespace
+
+ErrorStatistics error_statistics(std::vector<double> errors) {
+  ErrorStatistics result;
+  result.count = errors.size();
+  if (errors.empty()) return result;
+  const auto count = static_cast<double>(errors.size());
+  double sum = 0.0;
+  double squared_sum = 0.0;
+  for (const double error : errors) {
+    sum += error;
+    squared_sum += error * error;
+  }
+  std::sort(errors.begin(), errors.end());
+  result.mean = sum / count;
+  result.rmse = std::sqrt(squared_sum / count);
+  result.max = errors.back();
+  const std::size_t half = errors.size() / 2;
+  result.median = errors.size() % 2 == 1 ? errors[half] : 0.5 * (errors[half - 1] + errors[half]);
+  return result;
+}
 
 std::vector<PosePair> associate(const Trajectory& estimate, const Trajectory& reference, double max_time_difference_s) {
   const bool estimate_is_shorter = estimate.size() <= reference.size();
@@ -129,7 +129,7 @@ std::optional<AbsoluteTrajectoryError> absolute_trajectory_error(const Trajector
   for (const PosePair& pair : pairs) {
     errors.push_back((*similarity * estimate_of(pair).translation - reference_of(pair).translation).norm());
   }
-  return AbsoluteTrajectoryError{statistics(std::move(errors)), *similarity};
+  return AbsoluteTrajectoryError{error_statistics(std::move(errors)), *similarity};
 }
 
 std::optional<RelativePoseError> relative_pose_error(const Trajectory& estimate, const Trajectory& reference,
@@ -152,7 +152,7 @@ std::optional<RelativePoseError> relative_pose_error(const Trajectory& estimate,
     rotation_deg.push_back(deg_from_rad(rotation_angle(error.rotation)));
   }
   if (translation_m.empty()) return std::nullopt;
-  return RelativePoseError{statistics(std::move(translation_m)), statistics(std::move(rotation_deg))};
+  return RelativePoseError{error_statistics(std::move(translation_m)), error_statistics(std::move(rotation_deg))};
 }
 
 }  // namespace fabloop

@@ -29,6 +29,8 @@ struct ErrorStatistics {
   std::size_t count = 0;
 };
 
+ErrorStatistics error_statistics(std::vector<double> errors);
+
 /// A pose of the estimate and the reference's at the same time.
 struct PosePair {
   StampedPose estimate;

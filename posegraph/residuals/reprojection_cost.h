@@ -11,8 +11,9 @@
 #include "frontend/geometry/camera.h"
 #include "frontend/geometry/pose.h"
 
-/// Errors of bundle adjustment. A view is one block of six numbers: the rotation vector w by which it turns from where it started,
-/// world_from_camera = start * exp(w), and the camera's centre in the world. From a start that is not far off, w needs no manifold.
+/// Errors of bundle adjustment. A view is one block of six numbers: the rotation vector w by which it turns from where it
+/// started, world_from_camera = start * exp(w), and the camera's centre in the world. From a start that is not far off, w needs
+/// no manifold.
 namespace fabloop::bundle {
 
 /// Size of a view's block.
@@ -105,6 +106,7 @@ struct LensError {
   Camera camera;
   Eigen::Quaterniond start;  ///< Of the view.
   Eigen::Vector2d pixel;
+  double pixel_size = 1.0;  ///< The errors' unit, in the image's pixels.
 
   double k(std::size_t i) const { return i < camera.distortion.size() ? camera.distortion[i] : 0.0; }
 
@@ -122,8 +124,8 @@ struct LensError {
     const T radial = (1.0 + r2 * (lens[1] + r2 * (lens[2] + r2 * k(4)))) / (1.0 + r2 * (k(5) + r2 * (k(6) + r2 * k(7))));
     const T u = x * radial + 2.0 * k(2) * x * y + k(3) * (r2 + 2.0 * x * x);
     const T v = y * radial + k(2) * (r2 + 2.0 * y * y) + 2.0 * k(3) * x * y;
-    error[0] = camera.fx * lens[0] * u + camera.cx - pixel.x();
-    error[1] = camera.fy * lens[0] * v + camera.cy - pixel.y();
+    error[0] = (camera.fx * lens[0] * u + camera.cx - pixel.x()) / pixel_size;
+    error[1] = (camera.fy * lens[0] * v + camera.cy - pixel.y()) / pixel_size;
     return true;
   }
 };

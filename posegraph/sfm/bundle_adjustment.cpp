@@ -80,10 +80,12 @@ class Adjustment {
       const BundleSighting& sighting = bundle_.sightings[i];
       TurnedView& turned = turned_[sighting.view];
       if (refines()) {
-        lens_errors_.push_back(std::make_unique<LensCost>(new bundle::LensError{bundle_.camera, turned.start(), sighting.pixel}));
+        lens_errors_.push_back(std::make_unique<LensCost>(
+            new bundle::LensError{bundle_.camera, turned.start(), sighting.pixel, bundle_.pixel_size}));
         problem_.AddResidualBlock(lens_errors_.back().get(), &loss_, view(sighting.view), point(sighting.point), lens());
       } else {
-        pinhole_errors_.emplace_back(turned, bundle_.camera.fx, bundle_.camera.fy, rays[i].head<2>() / rays[i].z());
+        pinhole_errors_.emplace_back(turned, bundle_.camera.fx / bundle_.pixel_size, bundle_.camera.fy / bundle_.pixel_size,
+                                     rays[i].head<2>() / rays[i].z());
         problem_.AddResidualBlock(&pinhole_errors_.back(), &loss_, view(sighting.view), point(sighting.point));
       }
     }
@@ -120,6 +122,14 @@ class Adjustment {
     result.num_threads = 1;
     result.max_num_iterations = options_.max_iterations;
     result.function_tolerance = options_.cost_tolerance;
+    if (has_positions_) {
+      // They hold what sightings leave free: the whole world and slow bends. Beside thousands of sightings these cost next to
+      // nothing, and damping by the sightings' curvature, or an end at a small share of their cost, would keep them where they
+      // are.
+      constexpr double kUndamped = 1e10, kShareOfTolerance = 1e-4;
+      result.initial_trust_region_radius = kUndamped;
+      result.function_tolerance *= kShareOfTolerance;
+    }
     result.logging_type = ceres::SILENT;
     auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
     const auto add = [&](double* block, int group) {

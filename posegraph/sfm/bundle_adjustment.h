@@ -33,6 +33,7 @@ struct Bundle {
   std::vector<BundleView> views;
   std::vector<Eigen::Vector3d> points_in_world;
   std::vector<BundleSighting> sightings;
+  double pixel_size = 1.0;  ///< As in Features: errors are in pixels of the images in which the sightings were found.
 };
 
 /// Which of the camera's numbers are adjusted, too.

@@ -11,7 +11,6 @@
 #include <optional>
 #include <utility>
 
-#include "posegraph/sfm/bundle_adjustment.h"
 #include "posegraph/sfm/track_triangulation.h"
 #include "verification/chi_square.h"
 #include "verification/median.h"
@@ -19,7 +18,8 @@
 namespace fabloop {
 namespace {
 
-constexpr double kSameSpotPx = 1.5;  ///< Features of one spot, as of two orientations, are no further apart.
+constexpr double kSameSpotPx =
+    1.5;  ///< Features of one spot, as of two orientations, are no further apart (see Features::pixel_size).
 
 /// Where a point is and how surely.
 struct PointEstimate {
@@ -64,7 +64,7 @@ class DuplicateSearch {
   const Pose& pose_of(const TrackFeature& member) const { return *segment_.world_from_cameras[member.view]; }
   Eigen::Vector2d pixel(const TrackFeature& member) const { return pixel_of({views_, tracks_}, member); }
   double error_px(const TrackFeature& member, const Eigen::Vector3d& x_in_world) const {
-    return reprojection_error_px(views_[member.view].camera, pose_of(member), x_in_world, pixel(member));
+    return sighting_error_px({views_, tracks_}, segment_, member, x_in_world);
   }
 
   /// Standard deviation of a sighting along each axis of the image.
@@ -107,9 +107,8 @@ class DuplicateSearch {
     Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
     for (const std::uint32_t i : point.seen_by) {
       const TrackFeature& member = track(t)[i];
-      const Camera& camera = views_[member.view].camera;
       const Eigen::Vector3d to_point = point.x_in_world - pose_of(member).translation;
-      const double weight = std::pow(0.5 * (camera.fx + camera.fy) / sigma_px_, 2) / to_point.squaredNorm();
+      const double weight = std::pow(feature_focal_px(views_[member.view]) / sigma_px_, 2) / to_point.squaredNorm();
       const Eigen::Vector3d ray = to_point.normalized();
       information += weight * (Eigen::Matrix3d::Identity() - ray * ray.transpose());
     }
@@ -176,7 +175,9 @@ class DuplicateSearch {
   bool are_seen_apart(const NearPair& pair) const {
     for (const TrackFeature& member : track(pair.first)) {
       const auto other = position_in(track(pair.second), member.view);
-      if (other && (pixel(member) - pixel(track(pair.second)[*other])).norm() > kSameSpotPx) return true;
+      if (!other) continue;
+      const double apart = (pixel(member) - pixel(track(pair.second)[*other])).norm();
+      if (apart > kSameSpotPx * views_[member.view].features.pixel_size) return true;
     }
     return false;
   }

@@ -4,6 +4,7 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <opencv2/imgproc.hpp>
 
 namespace fabloop {
 namespace {
@@ -160,6 +161,30 @@ Exposure equalise_exposure(const MosaicBlocks& blocks, const std::vector<std::si
     }
   }
   return exposure;
+}
+
+cv::Mat3f drift_factors(const Exposure& exposure, const std::vector<Eigen::Vector2d>& places, const GroundGrid& grid,
+                        double reach) {
+  constexpr int kStride = 16;  // the factors are smooth
+  const GroundGrid coarse = coarser(grid, kStride);
+  cv::Mat3f factors(coarse.rows, coarse.columns, cv::Vec3f(1, 1, 1));
+  for (int row = 0; row < coarse.rows; ++row) {
+    for (int column = 0; column < coarse.columns; ++column) {
+      const Eigen::Vector2d x = coarse.ground_at(column, row);
+      cv::Vec3d sum;
+      double total = 0;
+      for (std::size_t view = 0; view < places.size(); ++view) {
+        const double weight = std::exp(-0.5 * (x - places[view]).squaredNorm() / (reach * reach));
+        sum += weight * exposure.log_gain[view];
+        total += weight;
+      }
+      if (!(total > 0)) continue;  // far from all views
+      for (int k = 0; k < 3; ++k) factors(row, column)[k] = static_cast<float>(std::exp(-sum[k] / total));
+    }
+  }
+  cv::Mat3f fine;
+  cv::resize(factors, fine, {}, kStride, kStride, cv::INTER_LINEAR);
+  return fine(cv::Rect(0, 0, grid.columns, grid.rows)).clone();
 }
 
 }  // namespace fabloop

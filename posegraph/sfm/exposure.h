@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "posegraph/sfm/ground_grid.h"
 #include "posegraph/sfm/mosaic_blocks.h"
 
 namespace fabloop {
@@ -25,5 +27,12 @@ struct Exposure {
 /// as further unknowns), under Huber's loss; gains are held near 1 as far as the pairs do not tell them. `camera_of` has one
 /// index a view.
 Exposure equalise_exposure(const MosaicBlocks& blocks, const std::vector<std::size_t>& camera_of, std::size_t num_cameras);
+
+/// What a grid's cells are to be multiplied by (BGR) for the ground to be as bright at large as the images show it: one over the
+/// geometric mean of the gains about each cell, weighed by a Gaussian of standard deviation `reach` about the places that the
+/// views stand above. Gains are found from neighbour to neighbour and drift over many, until what no image shows clipped would
+/// be. The factor is of the ground, so that it opens no seams.
+cv::Mat3f drift_factors(const Exposure& exposure, const std::vector<Eigen::Vector2d>& places, const GroundGrid& grid,
+                        double reach);
 
 }  // namespace fabloop

@@ -8,10 +8,13 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "frontend/error.h"
 #include "frontend/sequence/exif.h"
 #include "posegraph/sfm/geodesy.h"
+#include "verification/median.h"
 
 namespace fabloop {
 namespace {
@@ -77,9 +80,14 @@ std::vector<std::optional<GeoPosition>> gps_from_exif(const Sequence& sequence) 
 LocalPositions local_positions(const std::vector<std::optional<GeoPosition>>& positions) {
   LocalPositions local;
   local.east_north_up_m.resize(positions.size());
-  const auto first = std::find_if(positions.begin(), positions.end(), [](const auto& p) { return p.has_value(); });
-  if (first == positions.end()) return local;
-  local.origin = **first;
+  const auto middle = [&](double GeoPosition::*coordinate) {
+    std::vector<double> values;
+    for (const auto& position : positions) {
+      if (position) values.push_back((*position).*coordinate);
+    }
+    return median(std::move(values));
+  };
+  local.origin = {middle(&GeoPosition::latitude_deg), middle(&GeoPosition::longitude_deg), middle(&GeoPosition::altitude_m)};
   for (std::size_t i = 0; i < positions.size(); ++i) {
     if (positions[i]) local.east_north_up_m[i] = local_from_geo(local.origin, *positions[i]);
   }

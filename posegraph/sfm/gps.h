@@ -18,7 +18,7 @@ std::vector<std::optional<GeoPosition>> read_gps(const std::filesystem::path& pa
 /// Positions that the images' EXIF tells.
 std::vector<std::optional<GeoPosition>> gps_from_exif(const Sequence& sequence);
 
-/// Positions of frames in one east-north-up frame about the first known one.
+/// Positions of frames in one east-north-up frame about their middle (medians), so that a wild one does not tilt it.
 struct LocalPositions {
   GeoPosition origin;
   std::vector<std::optional<Eigen::Vector3d>> east_north_up_m;

@@ -11,6 +11,7 @@
 #include "frontend/parallel.h"
 #include "posegraph/sfm/seam_residual.h"
 #include "posegraph/sfm/view_patch.h"
+#include "verification/median.h"
 
 namespace fabloop {
 namespace {
@@ -42,8 +43,9 @@ cv::Mat1b shown_blocks(const MosaicBlocks& blocks, int min_views) {
 }
 
 /// Values of blocks at the pixels of a part, bilinear.
-cv::Mat1f at_pixels(const cv::Mat1f& of_blocks, const cv::Rect& part) {
-  cv::Mat1f map_x(part.size()), map_y(part.size()), result;
+cv::Mat at_pixels(const cv::Mat& of_blocks, const cv::Rect& part) {
+  cv::Mat1f map_x(part.size()), map_y(part.size());
+  cv::Mat result;
   for (int row = 0; row < part.height; ++row) {
     for (int column = 0; column < part.width; ++column) {
       map_x(row, column) = (static_cast<float>(part.x + column) + 0.5F) / MosaicBlocks::kSide - 0.5F;
@@ -52,6 +54,23 @@ cv::Mat1f at_pixels(const cv::Mat1f& of_blocks, const cv::Rect& part) {
   }
   cv::remap(of_blocks, result, map_x, map_y, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
   return result;
+}
+
+/// As wide as an image's longer side on the ground, as most views have it.
+double usual_image_width(const std::vector<GroundView>& views, double flying_height) {
+  std::vector<double> widths;
+  for (const GroundView& view : views) {
+    const Camera& camera = view.camera();
+    widths.push_back(flying_height * std::max(camera.width, camera.height) / camera.focal_px());
+  }
+  return median(std::move(widths));
+}
+
+cv::Mat3f drift_factors_of(const MosaicBlocks& blocks, const Exposure& exposure, const std::vector<GroundView>& views,
+                           double flying_height) {
+  std::vector<Eigen::Vector2d> places;
+  for (const GroundView& view : views) places.emplace_back(view.centre().head<2>());
+  return drift_factors(exposure, places, blocks.grid, usual_image_width(views, flying_height));
 }
 
 /// The view of each pixel of a part (-1: none): blocks' choices with their stairs smoothed.
@@ -112,10 +131,13 @@ void make_tile(const MosaicScene& scene, const cv::Rect& kept, int num_bands, Or
   }
   cv::Mat blended, mask;
   blender.blend(blended, mask);
-  blended.convertTo(blended, CV_8U);
   const cv::Rect inner(kept.x - tile.x, kept.y - tile.y, kept.width, kept.height);
+  cv::Mat colour;
+  blended(inner).convertTo(colour, CV_32F);
+  colour = colour.mul(at_pixels(scene.drift_factors, kept));
+  colour.convertTo(colour, CV_8U);
   const cv::Mat shown = views(inner) >= 0;
-  blended(inner).copyTo(mosaic.colour(kept), shown);
+  colour.copyTo(mosaic.colour(kept), shown);
   shown.copyTo(mosaic.shown(kept));
 }
 
@@ -129,7 +151,8 @@ Orthomosaic make_orthomosaic(const GroundGrid& grid, const HeightField& surface,
   const Exposure exposure = equalise_exposure(blocks, camera_of, num_cameras);
   const Seams seams = find_seams(blocks, exposure, camera_of, options.seams);
   const cv::Mat1b shown = shown_blocks(blocks, options.min_views);
-  const MosaicScene scene{grid, surface, views, camera_of, images, blocks, exposure, seams, shown};
+  const cv::Mat3f drift = drift_factors_of(blocks, exposure, views, flying_height);
+  const MosaicScene scene{grid, surface, views, camera_of, images, blocks, exposure, seams, shown, drift};
   Orthomosaic mosaic{grid,
                      cv::Mat3b(grid.rows, grid.columns, cv::Vec3b(0, 0, 0)),
                      cv::Mat1b(grid.rows, grid.columns, static_cast<unsigned char>(0)),

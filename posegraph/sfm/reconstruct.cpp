@@ -231,6 +231,7 @@ Reconstructed run_stages(const Sequence& sequence, const std::optional<Model>& m
   begin("result");
   const ReprojectionStatistics statistics = reprojection_statistics(scene, segments.front());
   result.mean_error_px = statistics.mean_px;
+  result.feature_pixel_size = scene.views.front().features.pixel_size;
   result.num_sightings = statistics.num_sightings;
   result.reconstruction = to_reconstruction(sequence, views, scene, segments.front());
   result.reconstruction.unit = unit;

@@ -59,7 +59,7 @@ struct ReconstructOptions {
   std::optional<GeoPosition> origin{};  ///< Of the positions, where they are on Earth.
   PositionUse position_use = PositionUse::Witness;
   GeoreferenceOptions georeference;
-  double max_error_px = 3.0;  ///< Of a sighting in the result.
+  double max_error_px = 3.0;  ///< Of a sighting in the result; pixels of the images as their features were found.
   /// Reconstruct from the pairs of neighbours alone, too: shows what the loops are worth, and takes up to half as long again.
   bool also_without_loops = false;
   std::uint64_t seed = 1;  ///< Of training, RANSAC and sampling.
@@ -102,7 +102,8 @@ struct Reconstructed {
   std::vector<FramePair> pairs;  ///< In ascending order.
   std::size_t num_candidate_pairs = 0;
   std::size_t num_merged_points = 0;  ///< Points that turned out to be another one.
-  double mean_error_px = 0;           ///< Of all sightings.
+  double mean_error_px = 0;           ///< Of all sightings; pixels of the images, shrunk or not.
+  double feature_pixel_size = 1;      ///< Side of a pixel of the images in which features were found, in pixels of the images.
   std::size_t num_sightings = 0;
   CameraCheck camera_check;
   bool camera_was_refined = false;

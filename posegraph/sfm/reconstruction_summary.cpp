@@ -123,6 +123,7 @@ void write_reconstruction_summary(const std::filesystem::path& path, const Seque
   summary["sightings"] = result.num_sightings;
   summary["merged_points"] = result.num_merged_points;
   summary["mean_reprojection_error_px"] = result.mean_error_px;
+  summary["feature_pixel_size"] = result.feature_pixel_size;
   summary["camera"] = camera_json(result);
   summary["georeference"] = georeference_json(result, options);
   summary["ate"] = error_json(sequence, map);

@@ -52,7 +52,7 @@ std::optional<Pose> resect(const Scene& scene, const Segment& segment, std::size
     data.push_back({segment.points[t]->x_in_world, scene.views[view].rays[track[*position_in(track, view)].feature]});
   }
   AbsolutePoseOptions pose_options;
-  pose_options.max_error_rad = options.max_error_px / scene.views[view].camera.focal_px();
+  pose_options.max_error_rad = options.max_error_px / feature_focal_px(scene.views[view]);
   pose_options.max_iterations = options.max_iterations;
   pose_options.seed = pair_seed(options.seed, view, data.size());
   const auto found = estimate_absolute_pose(data, pose_options);

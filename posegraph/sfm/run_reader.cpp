@@ -140,4 +140,16 @@ MapRun read_map_run(const fs::path& run, const fs::path& sequence_folder, const 
   return result;
 }
 
+std::optional<Reconstruction> read_reconstruction(const fs::path& run) {
+  if (!fs::exists(run / "colmap" / "cameras.txt")) return std::nullopt;
+  Reconstruction map = read_colmap_model(run / "colmap");
+  const Trajectory trajectory = read_tum(run / "trajectory.tum");
+  if (trajectory.size() != map.images.size()) {
+    throw InputError((run / "trajectory.tum").string() + ": has " + std::to_string(trajectory.size()) +
+                     " poses where colmap/images.txt has " + std::to_string(map.images.size()) + "; copy the run again");
+  }
+  for (std::size_t i = 0; i < trajectory.size(); ++i) map.images[i].time_ns = trajectory[i].time_ns;
+  return map;
+}
+
 }  // namespace fabloop

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "frontend/progress.h"
@@ -29,6 +30,10 @@ struct RunReadOptions {
 /// `colmap/`, with the camera as it was refined. Unit and place on Earth are what summary.json says. Throws InputError naming the
 /// file.
 MapRun read_map_run(const std::filesystem::path& run, const std::filesystem::path& sequence, const RunReadOptions& options = {});
+
+/// The map of a run from images alone, as its `colmap/` has it, with the times of its trajectory; none where the run has no such
+/// model. Throws InputError naming the file, also where model and trajectory are not of one run.
+std::optional<Reconstruction> read_reconstruction(const std::filesystem::path& run);
 
 /// Reads points with colours from PLY as `fabloop map` writes it: binary little-endian, float x y z, uchar red green blue.
 std::vector<ScenePoint> read_points_ply(const std::filesystem::path& path);

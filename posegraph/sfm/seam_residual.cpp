@@ -59,10 +59,9 @@ std::optional<double> displacement_at(const MosaicScene& scene, const Place& pla
   for (int k = 0; k < 2; ++k) {
     const GroundView& view = scene.views[views[k]];
     const auto pyramid = scene.images.get(view.image());
-    const cv::Mat3b patch =
+    const cv::Mat3f patch =
         lay_view(scene.grid, part, heights, view, *pyramid, scene.exposure, views[k], scene.camera_of[views[k]]);
     cv::cvtColor(patch, grey[k], cv::COLOR_BGR2GRAY);
-    grey[k].convertTo(grey[k], CV_32F);
     grey[k] -= cv::mean(grey[k]);
   }
   cv::Mat window;

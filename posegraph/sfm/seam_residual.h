@@ -15,7 +15,8 @@ struct MosaicScene {
   const MosaicBlocks& blocks;
   const Exposure& exposure;
   const Seams& seams;
-  const cv::Mat1b& shown;  ///< 255 for blocks that the mosaic shows.
+  const cv::Mat1b& shown;          ///< 255 for blocks that the mosaic shows.
+  const cv::Mat3f& drift_factors;  ///< Of blocks; see exposure.h.
 };
 
 /// Displacements of patches of the two views at places along seams, by phase correlation.

@@ -29,14 +29,21 @@ Eigen::Vector2d pixel_of(const Scene& scene, const TrackFeature& member) {
   return {at.x, at.y};
 }
 
+double sighting_error_px(const Scene& scene, const Segment& segment, const TrackFeature& member,
+                         const Eigen::Vector3d& x_in_world) {
+  const View& view = scene.views[member.view];
+  return reprojection_error_px(view.camera, *segment.world_from_cameras[member.view], x_in_world, pixel_of(scene, member)) /
+         view.features.pixel_size;
+}
+
 ReprojectionStatistics reprojection_statistics(const Scene& scene, const Segment& segment) {
   ReprojectionStatistics statistics;
   for (std::size_t t = 0; t < segment.points.size(); ++t) {
     if (!segment.points[t]) continue;
     for (const std::uint32_t position : segment.points[t]->seen_by) {
       const TrackFeature& member = scene.tracks.tracks[t][position];
-      statistics.mean_px += reprojection_error_px(scene.views[member.view].camera, *segment.world_from_cameras[member.view],
-                                                  segment.points[t]->x_in_world, pixel_of(scene, member));
+      statistics.mean_px +=
+          scene.views[member.view].features.pixel_size * sighting_error_px(scene, segment, member, segment.points[t]->x_in_world);
       ++statistics.num_sightings;
     }
   }

@@ -41,8 +41,13 @@ std::size_t num_points(const Segment& segment);
 /// Where the feature of a view was detected.
 Eigen::Vector2d pixel_of(const Scene& scene, const TrackFeature& member);
 
+/// Distance between where a placed view sees a point and where it should, in pixels of the image in which the view's features
+/// were found; infinite behind the camera.
+double sighting_error_px(const Scene& scene, const Segment& segment, const TrackFeature& member,
+                         const Eigen::Vector3d& x_in_world);
+
 struct ReprojectionStatistics {
-  double mean_px = 0;
+  double mean_px = 0;  ///< Pixels of the images, shrunk or not.
   std::size_t num_sightings = 0;
 };
 

@@ -21,6 +21,7 @@ SegmentBundle bundle_of(const Scene& scene, const Segment& segment, const std::v
   constexpr std::size_t kAbsent = std::numeric_limits<std::size_t>::max();
   SegmentBundle result;
   result.bundle.camera = scene.views.front().camera;
+  result.bundle.pixel_size = scene.views.front().features.pixel_size;
   std::vector<std::size_t> bundle_view(scene.views.size(), kAbsent);
   for (const std::uint32_t t : tracks) {
     const SegmentPoint& point = *segment.points[t];

@@ -7,7 +7,6 @@
 #include <numeric>
 
 #include "frontend/parallel.h"
-#include "posegraph/sfm/bundle_adjustment.h"
 
 namespace fabloop {
 namespace {
@@ -34,9 +33,7 @@ std::vector<std::uint32_t> agreeing(const Scene& scene, const Segment& segment, 
                                     const Eigen::Vector3d& x_in_world, double max_error_px) {
   std::vector<std::uint32_t> positions;
   for (const std::uint32_t i : placed.positions) {
-    const double error_px = reprojection_error_px(scene.views[track[i].view].camera, *segment.world_from_cameras[track[i].view],
-                                                  x_in_world, pixel_of(scene, track[i]));
-    if (error_px <= max_error_px) positions.push_back(i);
+    if (sighting_error_px(scene, segment, track[i], x_in_world) <= max_error_px) positions.push_back(i);
   }
   return positions;
 }

@@ -32,7 +32,7 @@ bool is_worth_a_closer_look(const Features& query, const Features& match, const 
 bool is_proven(const View& query, const View& match, const std::vector<Match>& matches, const std::vector<Match>& inliers,
                const ViewGraphOptions& options) {
   constexpr double kFivePointModels = 10;
-  const double p_accident = p_accidental_epipolar_match(match.camera.width, match.camera.height, options.max_error_px);
+  const double p_accident = p_accidental_epipolar_match(match, options.max_error_px);
   const ViewChange change = view_change(query.features, match.features, matches);
   const auto consistent = [&](const std::vector<Match>& of) {
     return static_cast<std::size_t>(std::count_if(
@@ -52,7 +52,7 @@ std::optional<ViewPair> verify(const std::vector<View>& views, const CandidatePa
   const std::vector<Match> matches = consistent_first(query.features, match.features, all);
   const std::vector<RayPair> pairs = ray_pairs(query, match, matches);
   RelativePoseOptions pose_options;
-  pose_options.max_error_rad = options.max_error_px / match.camera.focal_px();
+  pose_options.max_error_rad = options.max_error_px / feature_focal_px(match);
   pose_options.max_iterations = options.max_iterations;
   pose_options.min_inliers = options.min_inliers;
   pose_options.seed = pair_seed(options.seed, query.frame, match.frame);

@@ -20,7 +20,7 @@ struct ViewGraphOptions {
   std::size_t num_first_features = 700;
   std::size_t min_first_group = 4;       ///< Least largest_similar_group() of the first look.
   std::size_t min_inliers = 16;          ///< Fewer prove no overlap.
-  double max_error_px = 2.0;             ///< Largest distance from the epipolar plane.
+  double max_error_px = 2.0;             ///< Largest distance from the epipolar plane. As the verifier's.
   double max_log10_false_alarms = -6.0;  ///< Of accidental matches; see evidence.h. Tracks and bundle adjustment sort out more.
   int max_iterations = 2000;             ///< RANSAC's bound.
   std::uint64_t seed = 1;

@@ -17,7 +17,7 @@ cv::Mat1f heights_of(const HeightField& surface, const GroundGrid& grid, const c
   return heights;
 }
 
-cv::Mat3b lay_view(const GroundGrid& grid, const cv::Rect& part, const cv::Mat1f& heights, const GroundView& view,
+cv::Mat3f lay_view(const GroundGrid& grid, const cv::Rect& part, const cv::Mat1f& heights, const GroundView& view,
                    const ImagePyramid& pyramid, const Exposure& exposure, std::size_t index, std::size_t camera) {
   const Eigen::Vector2d middle = grid.ground_at(part.x + 0.5 * part.width, part.y + 0.5 * part.height);
   const double distance =
@@ -34,13 +34,12 @@ cv::Mat3b lay_view(const GroundGrid& grid, const cv::Rect& part, const cv::Mat1f
       if (pixel) radius(row, column) = static_cast<float>(std::min(1.0, image_radius(view.camera(), *pixel)));
     }
   }
-  cv::Mat3b patch;
-  cv::remap(pyramid.colour[level], patch, map_x, map_y, cv::INTER_CUBIC, cv::BORDER_REFLECT_101);
+  cv::Mat3b as_taken;
+  cv::remap(pyramid.colour[level], as_taken, map_x, map_y, cv::INTER_CUBIC, cv::BORDER_REFLECT_101);
+  cv::Mat3f patch(part.size());
   for (int row = 0; row < part.height; ++row) {
     for (int column = 0; column < part.width; ++column) {
-      const cv::Vec3f gain = exposure.gain(index, camera, radius(row, column));
-      cv::Vec3b& colour = patch(row, column);
-      for (int k = 0; k < 3; ++k) colour[k] = cv::saturate_cast<unsigned char>(colour[k] * gain[k]);
+      patch(row, column) = cv::Vec3f(as_taken(row, column)).mul(exposure.gain(index, camera, radius(row, column)));
     }
   }
   return patch;

@@ -25,8 +25,24 @@ TEST(Evidence, MoreInliersAreLessAccidental) {
 TEST(Evidence, NoMoreInliersThanTheSampleProveNothing) { EXPECT_EQ(log10_false_alarms(50, 5, 5, 0.01, 10), 0.0); }
 
 TEST(Evidence, AccidentsAreMoreLikelyInSmallImages) {
-  EXPECT_GT(p_accidental_epipolar_match(320, 240, 2), p_accidental_epipolar_match(640, 480, 2));
-  EXPECT_EQ(p_accidental_epipolar_match(2, 2, 10), 1.0);
+  const auto view = [](int width, int height) {
+    View result;
+    result.camera.width = width;
+    result.camera.height = height;
+    return result;
+  };
+  EXPECT_GT(p_accidental_epipolar_match(view(320, 240), 2), p_accidental_epipolar_match(view(640, 480), 2));
+  EXPECT_EQ(p_accidental_epipolar_match(view(2, 2), 10), 1.0);
+}
+
+TEST(Evidence, AccidentsAreAsLikelyInAShrunkImageAsInASmallOne) {
+  View small, shrunk;
+  small.camera.width = 320;
+  small.camera.height = 240;
+  shrunk.camera.width = 960;
+  shrunk.camera.height = 720;
+  shrunk.features.pixel_size = 3.0;
+  EXPECT_DOUBLE_EQ(p_accidental_epipolar_match(shrunk, 2), p_accidental_epipolar_match(small, 2));
 }
 
 }  // namespace

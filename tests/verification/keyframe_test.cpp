@@ -67,6 +67,8 @@ TEST(Keyframe, EveryInconsistencyOfFeaturesIsRefused) {
       {"3 keypoints and 2 descriptors", [](Keyframe& k) { k.features->descriptors.pop_back(); }},
       {"sift descriptors, these are orb", [](Keyframe& k) { k.features->descriptor_kind = DescriptorKind::Orb; }},
       {"32-bit floats", [](Keyframe& k) { k.features->descriptors = cv::Mat::ones(3, 8, CV_8U); }},
+      {"pixel size", [](Keyframe& k) { k.features->pixel_size = 0; }},
+      {"pixel size", [](Keyframe& k) { k.features->pixel_size = kNaN; }},
       {"keypoint's pixel", [](Keyframe& k) { k.features->keypoints[1].pt.x = static_cast<float>(kNaN); }},
       {"not finite", [](Keyframe& k) { k.odom_from_body.translation.y() = kNaN; }},
       {"not finite", [](Keyframe& k) { k.odom_from_body.rotation.x() = kNaN; }},

@@ -5,6 +5,7 @@
 
 #include <random>
 
+#include "tests/support/enlarged_view.h"
 #include "tests/verification/two_view_world.h"
 
 namespace fabloop {
@@ -62,6 +63,15 @@ TEST(RepeatedTexture, CountsMatchesThatShareASpot) {
   for (std::size_t i = 0; i < 30; ++i) matches[i].match = 5;
   const double share = repeated_texture(world.query, world.match, matches, {.same_spot_px = 0.01}).many_to_one_share;
   EXPECT_EQ(share, 0.3);
+}
+
+TEST(RepeatedTexture, SpotsOfAShrunkImageAreAsWideAsItsPixels) {
+  const TwoViews world = make_two_views({.num_points = 300});
+  const RepeatedTextureOptions options{.same_spot_px = 8};
+  const double small = repeated_texture(world.query, world.match, right_matches(world), options).many_to_one_share;
+  EXPECT_GT(small, 0.0);
+  const View query = testing_support::enlarged(world.query, 4), match = testing_support::enlarged(world.match, 4);
+  EXPECT_EQ(repeated_texture(query, match, right_matches(world), options).many_to_one_share, small);
 }
 
 TEST(RepeatedTexture, OfASampleIsLikeThatOfAll) {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
+#include "tests/support/enlarged_view.h"
 #include "tests/verification/two_view_world.h"
 #include "verification/pair_seed.h"
 #include "verification/pose/planar_ambiguity.h"
@@ -15,6 +16,7 @@
 namespace fabloop {
 namespace {
 
+using testing_support::enlarged;
 using testing_support::make_two_views;
 using testing_support::TwoViews;
 
@@ -26,6 +28,23 @@ TEST(Verifier, AcceptsAMetricLoopWhereDepthIsKnown) {
   EXPECT_LT((found.match_from_query.translation - world.match_from_query.translation).norm(), 0.1);  // 1 % of the depth
   EXPECT_GT(found.num_inliers, 100);
   EXPECT_EQ(found.num_inliers, static_cast<int>(found.inliers.size()));
+}
+
+TEST(Verifier, JudgesShrunkImagesAsImagesOfThatSize) {
+  constexpr double kTimes = 4;
+  for (const bool with_points : {false, true}) {
+    const TwoViews world = make_two_views({.outlier_ratio = 0.3, .noise_px = 1.0, .with_points = with_points});
+    const Verification small = Verifier().verify(world.query, world.match);
+    const Verification shrunk = Verifier().verify(enlarged(world.query, kTimes), enlarged(world.match, kTimes));
+    ASSERT_EQ(small.verdict, Verdict::Accepted);
+    EXPECT_EQ(shrunk.verdict, Verdict::Accepted);
+    EXPECT_EQ(shrunk.num_inliers, small.num_inliers);
+    EXPECT_EQ(shrunk.num_point_inliers, small.num_point_inliers);
+    // Keypoints are floats.
+    EXPECT_NEAR(shrunk.rms_error_px, small.rms_error_px, 1e-3);
+    EXPECT_NEAR(shrunk.log10_false_alarms, small.log10_false_alarms, 1e-6);
+    EXPECT_LT((shrunk.match_from_query.translation - small.match_from_query.translation).norm(), 1e-3);
+  }
 }
 
 TEST(Verifier, PointsOfTheQueryServeAsWell) {

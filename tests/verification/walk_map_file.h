@@ -41,6 +41,7 @@ inline void expect_equal(const View& a, const View& b) {
   EXPECT_EQ(a.frame, b.frame);
   EXPECT_EQ(a.height_above_ground, b.height_above_ground);
   EXPECT_EQ(a.features.descriptor_kind, b.features.descriptor_kind);
+  EXPECT_EQ(a.features.pixel_size, b.features.pixel_size);
   ASSERT_EQ(a.features.keypoints.size(), b.features.keypoints.size());
   for (std::size_t i = 0; i < a.features.keypoints.size(); ++i) {
     const cv::KeyPoint &k = a.features.keypoints[i], &l = b.features.keypoints[i];

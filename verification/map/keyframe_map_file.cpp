@@ -25,7 +25,7 @@ using sqlite::Transaction;
 // Points are apart, since they change while the rest of a keyframe stays. Contents are those of keyframe_map_rows, each with its
 // checksum, for SQLite has none.
 constexpr std::int64_t kApplicationId = 0x46424C4D;  // "FBLM", in the file's head
-constexpr std::int64_t kVersion = 3;
+constexpr std::int64_t kVersion = 4;
 constexpr const char* kTables =
     "CREATE TABLE about (model TEXT NOT NULL);"
     "CREATE TABLE session (id INTEGER PRIMARY KEY, content BLOB NOT NULL, checksum INTEGER NOT NULL);"

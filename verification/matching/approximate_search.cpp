@@ -31,14 +31,13 @@ void replace_same_spots(const Features& query, const Features& match, const Near
   for (std::size_t m = 0; m < all.size(); ++m) all[m] = static_cast<int>(m);
   std::vector<float> distances(all.size());
   for (std::size_t q = 0; q < nearest.size(); ++q) {
-    const auto& spot = match.keypoints[found.row[q]];
     if (nearest[q].second_distance == std::numeric_limits<float>::infinity() ||
-        !same_spot(match.keypoints[found.second_row[q]], spot, same_spot_px))
+        !same_spot(match, found.second_row[q], found.row[q], same_spot_px))
       continue;
     for (const int m : all) {
       distances[static_cast<std::size_t>(m)] = squared_distance_between(query, static_cast<int>(q), match, m);
     }
-    nearest[q] = nearest_of(all, distances, match.keypoints, same_spot_px);
+    nearest[q] = nearest_of(all, distances, match, same_spot_px);
   }
 }
 

@@ -40,7 +40,7 @@ std::vector<NearestFeature> mutually_nearest_in_bands(const View& query, const V
       float& least = to_nearest_query[static_cast<std::size_t>(m)];
       least = std::min(least, distances.back());
     }
-    nearest[q] = nearest_of(candidates, distances, match.features.keypoints, options.same_spot_px);
+    nearest[q] = nearest_of(candidates, distances, match.features, options.same_spot_px);
   }
   return only_mutual(std::move(nearest), std::move(to_nearest_query));
 }
@@ -62,7 +62,7 @@ std::vector<Match> guided_matches(const View& query, const View& match, const Po
     const float ratio = distance_ratio(found.distance, std::min(found.second_distance, typical));
     if (ratio <= options.max_ratio) matches.push_back({static_cast<int>(q), found.index, ratio, RatioAmong::Band});
   }
-  return most_distinctive_first(std::move(matches), query.features.keypoints, options.same_spot_px);
+  return most_distinctive_first(std::move(matches), query.features, options.same_spot_px);
 }
 
 }  // namespace fabloop

@@ -22,7 +22,7 @@ std::vector<Match> match_features(const Features& query, const Features& match, 
     const float ratio = distance_ratio(found.distance, found.second_distance);
     if (ratio <= options.max_ratio) matches.push_back({static_cast<int>(q), found.index, ratio});
   }
-  return most_distinctive_first(std::move(matches), query.keypoints, options.same_spot_px);
+  return most_distinctive_first(std::move(matches), query, options.same_spot_px);
 }
 
 }  // namespace fabloop

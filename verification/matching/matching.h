@@ -35,7 +35,7 @@ struct MatchingOptions {
   /// Lowe's ratio test (Lowe 2004, section 7.1). Raise it for repetitive ground, where geometry then has more to sort out.
   double max_ratio = 0.85;
   /// Features closer than this show the same spot (SIFT gives a spot one feature per orientation), and the second best
-  /// must show another one. 0 counts every feature for itself.
+  /// must show another one; in pixels of the image in which they were found. 0 counts every feature for itself.
   double same_spot_px = 2.0;
   MatchSearch search = MatchSearch::Exact;  ///< Approximate for many thousand features a view.
 };

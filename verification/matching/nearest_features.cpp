@@ -16,21 +16,19 @@ namespace {
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 /// The least distance to another spot than the nearest feature's. Changes the row.
-float second_best(float* row, std::size_t stride, std::size_t nearest, const std::vector<cv::KeyPoint>& keypoints,
-                  double same_spot_px) {
+float second_best(float* row, std::size_t stride, std::size_t nearest, const Features& match, double same_spot_px) {
   // Mostly the next nearest shows another spot already. Where many show the same, one look at each ends it.
   constexpr int kTries = 4;
-  const auto& spot = keypoints[nearest];
   row[nearest] = kInfinity;
   for (int i = 0; i < kTries; ++i) {
     const float least = least_of(row, stride);
     if (least == kInfinity) return least;
     const std::size_t index = first_equal(row, stride, least);
-    if (!same_spot(keypoints[index], spot, same_spot_px)) return least;
+    if (!same_spot(match, index, nearest, same_spot_px)) return least;
     row[index] = kInfinity;
   }
-  for (std::size_t m = 0; m < keypoints.size(); ++m) {
-    if (same_spot(keypoints[m], spot, same_spot_px)) row[m] = kInfinity;
+  for (std::size_t m = 0; m < match.keypoints.size(); ++m) {
+    if (same_spot(match, m, nearest, same_spot_px)) row[m] = kInfinity;
   }
   return least_of(row, stride);
 }
@@ -54,7 +52,7 @@ std::vector<NearestFeature> mutually_nearest(const Features& query, const Featur
       const std::size_t index = first_equal(row, stride, found.distance);
       if (found.distance > to_nearest_query[index]) continue;  // an earlier query has it
       found.index = static_cast<int>(index);
-      found.second_distance = second_best(row, stride, index, match.keypoints, same_spot_px);
+      found.second_distance = second_best(row, stride, index, match, same_spot_px);
     }
   }
   nearest = only_mutual(std::move(nearest), std::move(to_nearest_query));
@@ -66,8 +64,8 @@ std::vector<NearestFeature> mutually_nearest(const Features& query, const Featur
   return nearest;
 }
 
-NearestFeature nearest_of(std::span<const int> candidates, std::span<const float> distances,
-                          const std::vector<cv::KeyPoint>& keypoints, double same_spot_px) {
+NearestFeature nearest_of(std::span<const int> candidates, std::span<const float> distances, const Features& match,
+                          double same_spot_px) {
   NearestFeature nearest;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const bool is_first = distances[i] == nearest.distance && candidates[i] < nearest.index;
@@ -78,8 +76,8 @@ NearestFeature nearest_of(std::span<const int> candidates, std::span<const float
   }
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (candidates[i] == nearest.index || distances[i] >= nearest.second_distance) continue;
-    const bool is_rival = !same_spot(keypoints[static_cast<std::size_t>(candidates[i])],
-                                     keypoints[static_cast<std::size_t>(nearest.index)], same_spot_px);
+    const bool is_rival =
+        !same_spot(match, static_cast<std::size_t>(candidates[i]), static_cast<std::size_t>(nearest.index), same_spot_px);
     if (is_rival) nearest.second_distance = distances[i];
   }
   return nearest;

@@ -30,8 +30,8 @@ std::vector<NearestFeature> approximately_mutually_nearest(const Features& query
 
 /// The nearest of some features of the match (the lower of several equally near), by their squared distances, and the second
 /// at another spot. Index -1 for no candidates.
-NearestFeature nearest_of(std::span<const int> candidates, std::span<const float> distances,
-                          const std::vector<cv::KeyPoint>& keypoints, double same_spot_px);
+NearestFeature nearest_of(std::span<const int> candidates, std::span<const float> distances, const Features& match,
+                          double same_spot_px);
 
 /// Takes the index of those whose nearest feature has a nearer query; of several equally near, the first keeps it.
 /// `to_nearest_query`: the least distance to each feature of the match.

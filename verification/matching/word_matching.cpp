@@ -53,7 +53,7 @@ void match_word(const Features& query, std::span<const int> query_members, const
       distances[i] = squared_distance_between(query, q, match, match_members[i]);
       to_nearest_query[i] = std::min(to_nearest_query[i], distances[i]);
     }
-    NearestFeature best = nearest_of(match_members, distances, match.keypoints, options.same_spot_px);
+    NearestFeature best = nearest_of(match_members, distances, match, options.same_spot_px);
     // Its place in the word, as in to_nearest_query.
     best.index =
         static_cast<int>(std::lower_bound(match_members.begin(), match_members.end(), best.index) - match_members.begin());
@@ -114,7 +114,7 @@ std::vector<Match> match_shared_words(const Features& query, std::span<const Wor
     }
   }
   const double same_spot_px = options.matching.same_spot_px;
-  return same_spot_px > 0 ? one_a_spot(matches, query.keypoints, same_spot_px) : matches;
+  return same_spot_px > 0 ? one_a_spot(matches, query, same_spot_px) : matches;
 }
 
 }  // namespace fabloop

@@ -53,9 +53,9 @@ MetricPoses estimate_metric_poses(const View& query, const View& match, const st
                                   const MetricPoseOptions& options) {
   MetricPoses poses;
   poses.from_match_points = points_from_rays(points_and_rays(match, query, matches, &Match::match, &Match::query),
-                                             query.camera.focal_px(), options, options.seed);
+                                             feature_focal_px(query), options, options.seed);
   auto query_from_match = points_from_rays(points_and_rays(query, match, matches, &Match::query, &Match::match),
-                                           match.camera.focal_px(), options, options.seed + 1);
+                                           feature_focal_px(match), options, options.seed + 1);
   if (query_from_match) {
     query_from_match->match_from_query = query_from_match->match_from_query.inverse();
     poses.from_query_points = std::move(query_from_match);

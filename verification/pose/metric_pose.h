@@ -13,7 +13,7 @@ namespace fabloop {
 
 struct MetricPoseOptions {
   int min_points = 12;              ///< Matches with known depth from which scale is taken.
-  double max_point_error_px = 4.0;  ///< Between a point's pixel and where the pose puts it.
+  double max_point_error_px = 4.0;  ///< Between a point's pixel and where the pose puts it. As the verifier's.
   double confidence = 0.999;        ///< RANSAC's.
   std::uint64_t seed = 0;
 };

@@ -60,12 +60,12 @@ double share_of_independent_features(const std::vector<WindowMatch>& matches) {
 
 double mean_focal_px(std::span<const WindowView> window) {
   const double sum = std::accumulate(window.begin(), window.end(), 0.0,
-                                     [](double total, const WindowView& view) { return total + view.view->camera.focal_px(); });
+                                     [](double total, const WindowView& view) { return total + feature_focal_px(*view.view); });
   return sum / static_cast<double>(window.size());
 }
 
 /// Of accidents among matches of different features, for a pose of five points and a sixth that gives up to ten of them.
-double log10_accidents(const std::vector<WindowMatch>& matches, const std::vector<WindowMatch>& inliers, const Camera& camera,
+double log10_accidents(const std::vector<WindowMatch>& matches, const std::vector<WindowMatch>& inliers, const View& view,
                        double max_error_px) {
   constexpr std::size_t kSampleSize = 6;
   constexpr double kModelsPerSample = 10;
@@ -74,7 +74,7 @@ double log10_accidents(const std::vector<WindowMatch>& matches, const std::vecto
   };
   const std::size_t num_inliers = count(inliers);
   return log10_false_alarms(std::max(count(matches), num_inliers), num_inliers, kSampleSize,
-                            p_accidental_epipolar_match(camera.width, camera.height, max_error_px), kModelsPerSample);
+                            p_accidental_epipolar_match(view, max_error_px), kModelsPerSample);
 }
 
 }  // namespace
@@ -122,7 +122,7 @@ std::optional<WindowPose> verify_windows(std::span<const WindowView> query, std:
   result.information = share * pose->information;
   result.scale_sigma = pose->scale_sigma / std::sqrt(share);
   result.has_scale = result.scale_sigma <= options.max_scale_sigma;
-  result.log10_false_alarms = log10_accidents(matches, result.inliers, match.front().view->camera, options.max_error_px);
+  result.log10_false_alarms = log10_accidents(matches, result.inliers, *match.front().view, options.max_error_px);
   result.rms_error_px = pose->rms_error_rad * focal_px;
   result.num_iterations = pose->iterations;
   return result;

@@ -34,7 +34,7 @@ RefinedWindow refine_window(std::span<const WindowView> views, std::size_t ancho
 
 struct WindowOptions {
   MatchingOptions matching;
-  double max_error_px = 2.0;     ///< Largest distance from the epipolar plane.
+  double max_error_px = 2.0;     ///< Largest distance from the epipolar plane. As the verifier's.
   int min_matches = 15;          ///< Two views that share fewer are left out: chance alone makes a few.
   double confidence = 0.999;     ///< RANSAC's.
   int max_iterations = 1500;     ///< RANSAC's bound: time spent on windows of different places.

@@ -195,6 +195,8 @@ TEST(FeatureExtractor, LooksAtLargeImagesShrunkAndAnswersInTheirPixels) {
     options.max_side_px = std::max(image.cols, image.rows);
     const Features found = FeatureExtractor(options).extract(large);
     ASSERT_EQ(found.keypoints.size(), expected.keypoints.size()) << to_string(kind);
+    EXPECT_EQ(expected.pixel_size, 1.0);
+    EXPECT_DOUBLE_EQ(found.pixel_size, kTimes);
     EXPECT_EQ(cv::norm(found.descriptors, expected.descriptors, cv::NORM_INF), 0) << to_string(kind);
     for (std::size_t i = 0; i < found.keypoints.size(); ++i) {
       const cv::KeyPoint& small = expected.keypoints[i];

@@ -77,6 +77,7 @@ TEST(SpatiallyEven, KeypointsOutsideTheImageBelongToItsBorder) {
 TEST(FirstFeatures, KeepKeypointsAndDescriptorsTogether) {
   Features features;
   features.descriptor_kind = DescriptorKind::Orb;
+  features.pixel_size = 2.5;
   features.descriptors = cv::Mat(3, 32, CV_8U);
   for (int i = 0; i < 3; ++i) {
     features.keypoints.push_back(keypoint(static_cast<float>(i), 0, 1));
@@ -85,6 +86,7 @@ TEST(FirstFeatures, KeepKeypointsAndDescriptorsTogether) {
   const Features two = first_features(features, 2);
   ASSERT_EQ(two.keypoints.size(), 2u);
   EXPECT_EQ(two.descriptor_kind, DescriptorKind::Orb);
+  EXPECT_EQ(two.pixel_size, 2.5);
   ASSERT_EQ(two.descriptors.rows, 2);
   EXPECT_EQ(two.keypoints[1].pt.x, 1.0F);
   EXPECT_EQ(two.descriptors.at<std::uint8_t>(1, 31), 1);

@@ -124,6 +124,49 @@ TEST(BundleAdjustment, RefusesToRefineAFisheye) {
   EXPECT_THROW(adjust_bundle(bundle, {.refine = RefineCamera::Focal}), InputError);
 }
 
+TEST(BundleAdjustment, KnownPositionsMoveAndTurnAWorldThatSightingsAgreeUpon) {
+  const SyntheticScene scene = make_synthetic_scene({.num_points = 1500, .noise_px = 0.3, .seed = 6});
+  const Eigen::Vector3d vague = Eigen::Vector3d::Constant(5);
+  // The truth as another world shows it: sightings agree, positions are off by a shift, a turn and a scale.
+  const Pose other_from_world{rotation_from_vector({0.01, -0.02, 0.015}), {0.6, -0.8, 0.3}};
+  Bundle bundle;
+  bundle.camera = scene.camera;
+  const auto moved = [&](const Eigen::Vector3d& x) -> Eigen::Vector3d { return 1.01 * (other_from_world * x); };
+  for (const Pose& pose : scene.world_from_cameras) {
+    bundle.views.push_back(
+        {{other_from_world.rotation * pose.rotation, moved(pose.translation)}, false, pose.translation, vague});
+  }
+  for (std::size_t t = 0; t < scene.tracks.tracks.size(); ++t) {
+    bundle.points_in_world.push_back(moved(scene.points_in_world[t]));
+    for (const TrackFeature& member : scene.tracks.tracks[t]) {
+      bundle.sightings.push_back({member.view, t, pixel_of(scene.scene(), member)});
+    }
+  }
+  // 0.3 px are 0.012 at this height.
+  EXPECT_LT(error_of(scene, adjust_bundle(bundle)), 0.03);
+}
+
+TEST(BundleAdjustment, IsTheSameInPixelsOfAShrunkImage) {
+  constexpr double kTimes = 4;
+  const SyntheticScene scene = make_synthetic_scene({.num_points = 150, .noise_px = 1.0, .wrong_share = 0.05, .seed = 5});
+  const Bundle small = perturbed_bundle(scene, 0.1, 5);
+  Bundle shrunk = small;
+  shrunk.camera = scaled(small.camera, kTimes);
+  shrunk.pixel_size = kTimes;
+  for (BundleSighting& sighting : shrunk.sightings) {
+    sighting.pixel = kTimes * (sighting.pixel + Eigen::Vector2d(0.5, 0.5)) - Eigen::Vector2d(0.5, 0.5);
+  }
+  for (const RefineCamera refine : {RefineCamera::Nothing, RefineCamera::Focal}) {
+    BundleOptions options = kToTheEnd;
+    options.refine = refine;
+    const AdjustedBundle expected = adjust_bundle(small, options);
+    const AdjustedBundle found = adjust_bundle(shrunk, options);
+    EXPECT_NEAR(found.final_cost, expected.final_cost, 1e-6 * expected.final_cost);
+    EXPECT_NEAR(found.camera.fx, kTimes * expected.camera.fx, 1e-3);
+    EXPECT_NEAR(error_of(scene, found), error_of(scene, expected), 1e-6);
+  }
+}
+
 TEST(LensError, IsTheDistanceFromWhereTheCameraProjects) {
   const SyntheticScene scene = make_synthetic_scene({.num_points = 50, .seed = 9});
   for (std::size_t t = 0; t < scene.tracks.tracks.size(); ++t) {
@@ -135,7 +178,8 @@ TEST(LensError, IsTheDistanceFromWhereTheCameraProjects) {
     const std::vector<double> lens{1.0, scene.camera.distortion[0], scene.camera.distortion[1]};
     Eigen::Vector2d residual;
     const Eigen::Vector3d& x = scene.points_in_world[t];
-    const std::vector<double> view{turn.x(), turn.y(), turn.z(), pose.translation.x(), pose.translation.y(), pose.translation.z()};
+    const std::vector<double> view{
+        turn.x(), turn.y(), turn.z(), pose.translation.x(), pose.translation.y(), pose.translation.z()};
     ASSERT_TRUE(error(view.data(), x.data(), lens.data(), residual.data()));
     EXPECT_LT((residual - (*project(scene.camera, pose.inverse() * x) - pixel)).norm(), 1e-9);
   }
@@ -160,7 +204,8 @@ TEST(PinholeError, IsTheDistanceFromWhereAPinholeProjects) {
     bundle::TurnedView view(pose.rotation * rotation_from_vector(-turn));
     const Eigen::Vector2d normalised(0.1, 0.2);
     const bundle::PinholeError error(view, pinhole.fx, pinhole.fy, normalised);
-    const std::vector<double> block{turn.x(), turn.y(), turn.z(), pose.translation.x(), pose.translation.y(), pose.translation.z()};
+    const std::vector<double> block{
+        turn.x(), turn.y(), turn.z(), pose.translation.x(), pose.translation.y(), pose.translation.z()};
     const Eigen::Vector3d& x = scene.points_in_world[t];
     const Eigen::Vector2d pixel(pinhole.fx * normalised.x() + pinhole.cx, pinhole.fy * normalised.y() + pinhole.cy);
     const Eigen::Vector2d expected = *project(pinhole, pose.inverse() * x) - pixel;

@@ -10,6 +10,7 @@
 
 #include "posegraph/sfm/track_triangulation.h"
 #include "tests/posegraph/sfm/synthetic_scene.h"
+#include "tests/support/enlarged_view.h"
 
 namespace fabloop {
 namespace {
@@ -117,6 +118,16 @@ TEST(DuplicatePoints, TwoTracksOfOnePointBecomeOneAndNoOthersDo) {
       EXPECT_TRUE(std::binary_search(shown.begin(), shown.end(), t)) << "views know their tracks";
     }
   }
+}
+
+TEST(DuplicatePoints, AreTheSameInShrunkImages) {
+  SplitScene small(1.0, 2, true), shrunk(1.0, 2, true);
+  for (View& view : shrunk.whole.views) view = testing_support::enlarged(view, 4);
+  const std::size_t expected = merge_duplicate_points(small.whole.views, small.tracks, small.segment);
+  const std::size_t found = merge_duplicate_points(shrunk.whole.views, shrunk.tracks, shrunk.segment);
+  ASSERT_GT(expected, 100U);
+  // Keypoints are floats, so that a few pairs at a threshold may fall on its other side.
+  EXPECT_NEAR(static_cast<double>(found), static_cast<double>(expected), 0.01 * static_cast<double>(expected));
 }
 
 TEST(DuplicatePoints, MergingAgainFindsNothing) {

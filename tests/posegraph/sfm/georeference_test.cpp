@@ -109,5 +109,22 @@ TEST(ReadGps, GivesEachImageItsPositionAndNamesBadLines) {
   EXPECT_THROW(read_gps(path, sequence), InputError);
 }
 
+TEST(LocalPositions, AreAboutTheMiddleWhateverTheFirstOneSays) {
+  // Receivers without a fix write zeros.
+  std::vector<std::optional<GeoPosition>> positions{GeoPosition{0, 0, 0}, std::nullopt};
+  for (int i = 0; i < 9; ++i) positions.push_back(GeoPosition{46.8425 + 1e-4 * i, -91.9939 + 1e-4 * i, 198.0 + i});
+  const LocalPositions local = local_positions(positions);
+  EXPECT_DOUBLE_EQ(local.origin.latitude_deg, 46.8429);
+  EXPECT_DOUBLE_EQ(local.origin.altitude_m, 202.0);
+  EXPECT_FALSE(local.east_north_up_m[1]);
+  for (std::size_t i = 2; i < positions.size(); ++i) EXPECT_LT(local.east_north_up_m[i]->norm(), 70.0);
+}
+
+TEST(LocalPositions, OfNoneAreNone) {
+  const LocalPositions local = local_positions({std::nullopt, std::nullopt});
+  EXPECT_EQ(local.east_north_up_m.size(), 2U);
+  EXPECT_FALSE(local.east_north_up_m[0] || local.east_north_up_m[1]);
+}
+
 }  // namespace
 }  // namespace fabloop

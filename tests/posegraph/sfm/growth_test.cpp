@@ -8,6 +8,7 @@
 #include "posegraph/sfm/georeference.h"
 #include "posegraph/sfm/segments.h"
 #include "tests/posegraph/sfm/synthetic_scene.h"
+#include "tests/support/enlarged_view.h"
 
 namespace fabloop {
 namespace {
@@ -62,6 +63,22 @@ TEST(Growth, LeavesWrongTrackMembersOut) {
   // 0.3 px are 0.012 at this height.
   EXPECT_LT(centre_error(scene, segments[0].world_from_cameras), 0.03);
   EXPECT_LT(reprojection_statistics(scene.scene(), segments[0]).mean_px, 0.6);
+}
+
+TEST(Growth, TreatsShrunkImagesAsImagesOfThatSize) {
+  constexpr double kTimes = 4;
+  const SyntheticScene small = make_synthetic_scene({.num_points = 400, .noise_px = 1.0, .wrong_share = 0.1, .seed = 3});
+  SyntheticScene shrunk = small;
+  for (View& view : shrunk.views) view = testing_support::enlarged(view, kTimes);
+  const auto expected = build_segments(small.scene(), pairs_of(small), single_thread());
+  const auto found = build_segments(shrunk.scene(), pairs_of(shrunk), single_thread());
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(num_placed(found[0]), num_placed(expected[0]));
+  // Keypoints are floats, so that a sighting at the very threshold may fall on its other side.
+  EXPECT_NEAR(static_cast<double>(num_points(found[0])), static_cast<double>(num_points(expected[0])), 2);
+  EXPECT_NEAR(reprojection_statistics(shrunk.scene(), found[0]).mean_px,
+              kTimes * reprojection_statistics(small.scene(), expected[0]).mean_px, 0.02);
+  EXPECT_NEAR(centre_error(small, found[0].world_from_cameras), centre_error(small, expected[0].world_from_cameras), 0.002);
 }
 
 TEST(Growth, ReportsTwoFlightsThatShareNothingAsTwoSegments) {

@@ -128,5 +128,33 @@ TEST(Exposure, FindsGainsAndFallOff) {
   }
 }
 
+TEST(DriftFactors, TakeBackWhatGrowsOverManyViewsAndLeaveNeighboursAlone) {
+  Exposure exposure;
+  std::vector<Eigen::Vector2d> places;
+  for (int i = 0; i < 40; ++i) {
+    places.emplace_back(2.0 * i, 0.0);
+    const double drift = 0.03 * (i - 20), own = i % 2 == 0 ? 0.1 : -0.1;
+    exposure.log_gain.push_back(cv::Vec3d(drift + own, 0.5 * drift, 0));
+  }
+  const GroundGrid grid = grid_over({-5, -10}, {85, 10}, 0.5);
+  const cv::Mat3f factors = drift_factors(exposure, places, grid, 8.0);
+  ASSERT_EQ(factors.size(), cv::Size(grid.columns, grid.rows));
+  for (int i = 10; i < 30; ++i) {
+    const Eigen::Vector2d at = grid.position_of(places[static_cast<std::size_t>(i)]);
+    const cv::Vec3f factor = factors(static_cast<int>(std::lround(at.y())), static_cast<int>(std::lround(at.x())));
+    // A mean over 20 views of +-0.1, and lattice cells of 8.
+    EXPECT_NEAR(std::log(factor[0]), -0.03 * (i - 20), 0.02);
+    EXPECT_NEAR(std::log(factor[1]), -0.015 * (i - 20), 0.01);
+    EXPECT_NEAR(factor[2], 1.0, 1e-5);
+  }
+}
+
+TEST(DriftFactors, AreOneFarFromAllViews) {
+  Exposure exposure;
+  exposure.log_gain = {cv::Vec3d(1, 1, 1)};
+  const cv::Mat3f factors = drift_factors(exposure, {{0, 0}}, grid_over({1000, 1000}, {1020, 1020}, 1), 1.0);
+  EXPECT_EQ(cv::norm(factors, cv::Mat3f(factors.size(), cv::Vec3f(1, 1, 1)), cv::NORM_INF), 0);
+}
+
 }  // namespace
 }  // namespace fabloop

@@ -35,6 +35,7 @@ TEST_F(MapFile, KeepsFeaturesOfBitsAndViewsWithoutAny) {
   map.sessions[0].camera.distortion = {0.1, -0.2, 0.001, 0.002, 0.3};
   Features bits;
   bits.descriptor_kind = DescriptorKind::Orb;
+  bits.pixel_size = 2.5;
   bits.keypoints = {{{1.5F, 2.25F}, 31, 45, 0.5F, 2, -1}};
   bits.descriptors = cv::Mat(1, 32, CV_8U, cv::Scalar(170));
   map.keyframes.resize(2);

@@ -11,6 +11,7 @@
 #include <random>
 
 #include "frontend/features/descriptor_distances.h"
+#include "tests/support/enlarged_view.h"
 #include "tests/verification/two_view_world.h"
 
 namespace fabloop {
@@ -177,6 +178,22 @@ TEST(Matching, CountsASpotOnce) {
   match.descriptors = query.descriptors.clone();
   EXPECT_EQ(match_features(query, match).size(), 1u);
   EXPECT_EQ(match_features(query, match, {.same_spot_px = 0}).size(), 2u);
+}
+
+TEST(Matching, SpotsOfAShrunkImageAreAsWideAsItsPixels) {
+  std::mt19937 random(11);
+  const Features match = crowded_features(random, 150, 8, false);
+  Features query = crowded_features(random, 170, 8, false);
+  make_alike(random, match, query);
+  for (const MatchSearch search : {MatchSearch::Exact, MatchSearch::Approximate}) {
+    const MatchingOptions options{.max_ratio = 0.97, .search = search};
+    const auto small = match_features(query, match, options);
+    const auto shrunk = match_features(testing_support::enlarged(query, 4), testing_support::enlarged(match, 4), options);
+    expect_same_bytes(shrunk, small);
+    Features not_shrunk = testing_support::enlarged(query, 4);
+    not_shrunk.pixel_size = 1;
+    EXPECT_GT(match_features(not_shrunk, match, options).size(), small.size());
+  }
 }
 
 TEST(Matching, ComparesBitsByHammingDistance) {
