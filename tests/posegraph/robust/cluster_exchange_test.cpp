@@ -55,6 +55,7 @@ ClusterExchange exchange(PoseGraph& graph, const TruncatedProblem& problem, std:
   const LoopConsistency loops(graph, kExchangedLoops, kProbability);
   ClusterExchangeOptions options;
   options.max_rounds = max_rounds;
+  options.begins_anew = false;
   return exchange_clusters(graph, problem, loops, kExchangedLoops, {}, options);
 }
 
