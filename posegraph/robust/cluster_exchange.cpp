@@ -141,8 +141,8 @@ class Exchange {
     for (const Cluster& cluster : clusters_) {
       Cluster kept;
       std::copy_if(cluster.begin(), cluster.end(), std::back_inserter(kept), [&](std::size_t k) { return is_kept(k); });
-      // The thresholds judge a loop alone, and what most loops say cannot be the odd one out.
-      if (kept.size() < 2 || 2 * kept.size() > num_kept) continue;
+      // The thresholds judge a loop that has no neighbours, and what most loops say cannot be the odd one out.
+      if (cluster.size() < 2 || kept.empty() || 2 * kept.size() > num_kept) continue;
       for (const std::size_t k : kept) paths.remove(loops_.edges()[k]);
       const double by_others = contradiction(graph_, loops_, paths, kept);
       for (const std::size_t k : kept) paths.add(loops_.edges()[k]);

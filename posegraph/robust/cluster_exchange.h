@@ -32,9 +32,9 @@ struct ClusterExchange {
 
 /// Local search of the truncated cost over clusters of loops. Alternating choice and solve cannot bring back a group of loops
 /// that lies far off, nor get rid of one that the map has bent to. So groups of loops that are left out, agree among
-/// themselves, and are not contradicted by the surest way through odometry and the loops kept, are let in on trial; kept
-/// clusters of two and more that this way, without themselves, contradicts most are left out on trial; and what lowers the
-/// truncated cost stays. `loops` are those of the graph.
+/// themselves, and are not contradicted by the surest way through odometry and the loops kept, are let in on trial; what is kept
+/// of the groups that this way, without themselves, contradicts most is left out on trial; and what lowers the truncated cost
+/// stays. `loops` are those of the graph.
 /// The cost never rises.
 ClusterExchange exchange_clusters(PoseGraph& graph, const TruncatedProblem& problem, const LoopConsistency& loops,
                                   const std::vector<EdgeKind>& doubted, const OptimizeOptions& optimize,
