@@ -59,7 +59,8 @@ BackEndSolution solve_graduated(PoseGraph& graph, const LoopRoles& roles, const 
   GraduatedProblem problem = problem_of(roles, options);
   PoseGraph honest = graph;
   if (options.warm_weights.empty()) begin_with_clusters(honest, problem, roles, options);
-  PoseGraph judged = judged_honestly(std::move(honest), options.optimize.objective);
+  const bool is_truncated = options.back_end == BackEnd::GncTruncated;
+  PoseGraph judged = is_truncated ? judged_honestly(std::move(honest), options.optimize.objective) : std::move(honest);
   GraduatedResult result = graduate(judged, problem, options.optimize);
   graph.vertices = std::move(judged.vertices);
   return {std::move(result.last_solve), std::move(result.weights), result.num_solves};

@@ -100,48 +100,31 @@ BackEndSolution solve_switchable(PoseGraph& graph, const LoopRoles& roles, const
   return {std::move(result.solve), std::move(result.weights)};
 }
 
-/// Weights by chi-squares that are honest, whatever the objective makes of errors; then the poses of the objective with these
-/// weights, where it makes more of them.
-BackEndSolution solve_by_honest_errors(PoseGraph& graph, const LoopRoles& roles, const RobustOptions& options) {
-  const Objective objective = options.optimize.objective;
-  BackEndSolution solution;
-  if (options.back_end == BackEnd::GncGemanMcClure) {
-    solution = solve_graduated(graph, roles, options);
-  } else {
-    PoseGraph judged = judged_honestly(graph, objective);
-    const bool has_switches = options.back_end == BackEnd::SwitchableConstraints;
-    solution = has_switches ? solve_switchable(judged, roles, options) : solve_with_loss(judged, roles, options);
-    graph.vertices = std::move(judged.vertices);
-  }
-  if (factors_of_objective(objective, graph.dimension).rotation == 1.0) return solution;
-  solution.last_solve = solve_weighted(graph, {solution.weights, std::vector<bool>(graph.edges.size(), false)}, options.optimize);
-  ++solution.num_solves;
-  return solution;
-}
-
-/// Losses never let go of a loop altogether: those whose honest chi-square is beyond the threshold are called rejected.
-bool is_rejected(BackEnd back_end, double weight, double honest_chi2, double c2) {
+/// Losses never let go of a loop altogether: those beyond the threshold are called rejected.
+bool is_rejected(BackEnd back_end, const EdgeDecision& decision, double c2) {
   switch (back_end) {
     case BackEnd::None:
       return false;
     case BackEnd::GncTruncated:
     case BackEnd::PairwiseConsistency:
-      return weight < kKeptWeight;
+      return decision.weight < kKeptWeight;
     default:
-      return honest_chi2 > c2;
+      return decision.chi2 > c2;
   }
 }
 
 BackEndSolution solve(PoseGraph& graph, const LoopRoles& roles, const RobustOptions& options) {
   switch (options.back_end) {
-    case BackEnd::None:
-      return solve_with_loss(graph, roles, options);
     case BackEnd::GncTruncated:
       return solve_truncated(graph, roles, options);
+    case BackEnd::GncGemanMcClure:
+      return solve_graduated(graph, roles, options);
     case BackEnd::PairwiseConsistency:
       return solve_consistent(graph, roles, options);
+    case BackEnd::SwitchableConstraints:
+      return solve_switchable(graph, roles, options);
     default:
-      return solve_by_honest_errors(graph, roles, options);
+      return solve_with_loss(graph, roles, options);
   }
 }
 
@@ -167,9 +150,7 @@ RobustReport robust_optimize(PoseGraph& graph, const RobustOptions& options) {
   const LoopRoles roles = roles_of(graph, options);
   if (options.start == RobustStart::Odometry && options.warm_weights.empty()) go_to_odometry(graph, roles, options);
   BackEndSolution solution = solve(graph, roles, options);
-  const Objective objective = options.optimize.objective;
-  const std::vector<double> chi2 = evaluate_chi2(graph, objective);
-  const std::vector<double> honest = evaluate_chi2(judged_honestly(graph, objective), objective);
+  const std::vector<double> chi2 = evaluate_chi2(graph, options.optimize.objective);
   RobustReport report;
   report.last_solve = std::move(solution.last_solve);
   report.num_solves = solution.num_solves;
@@ -178,9 +159,7 @@ RobustReport robust_optimize(PoseGraph& graph, const RobustOptions& options) {
   report.noise = solution.noise;
   for (std::size_t e = 0; e < graph.edges.size(); ++e) {
     EdgeDecision decision{chi2[e], solution.weights[e], roles.forced[e]};
-    if (roles.is_doubted[e] && is_rejected(options.back_end, decision.weight, honest[e], roles.c2[e])) {
-      decision.verdict = EdgeVerdict::Rejected;
-    }
+    if (roles.is_doubted[e] && is_rejected(options.back_end, decision, roles.c2[e])) decision.verdict = EdgeVerdict::Rejected;
     const bool is_left_out = decision.verdict == EdgeVerdict::Rejected || decision.verdict == EdgeVerdict::ForcedReject;
     report.num_rejected += is_left_out;
     report.num_kept += !is_left_out && decision.verdict != EdgeVerdict::Trusted;
