@@ -37,7 +37,7 @@ double share_left_out(const std::vector<double>& weights, const std::vector<bool
 /// The last word, once clusters have found their place: a loop stays out only where it is likelier false than right.
 void reconsider(PoseGraph& graph, RefinedChoice& refined, const std::vector<bool>& is_doubted, const RobustOptions& options) {
   const PoseGraph honest = with_noise(graph, refined.noise);
-  const PoseGraph judged = with_noise(honest, factors_of_objective(options.optimize.objective, graph.dimension));
+  const PoseGraph judged = judged_honestly(honest, options.optimize.objective);
   TruncatedProblem problem{thresholds(judged, 1.0 - probability_lost(options)), is_doubted, refined.weights};
   const std::vector<double> even_odds = even_odds_chi2(honest, share_left_out(refined.weights, is_doubted));
   for (std::size_t e = 0; e < even_odds.size(); ++e) problem.c2[e] = std::max(problem.c2[e], even_odds[e]);
@@ -52,24 +52,25 @@ void reconsider(PoseGraph& graph, RefinedChoice& refined, const std::vector<bool
 RefinedChoice refine_choice(PoseGraph& graph, std::vector<double> weights, const std::vector<bool>& is_doubted,
                             const RobustOptions& options) {
   RefinedChoice refined{std::move(weights), {}, 0};
-  const NoiseFactors of_objective = factors_of_objective(options.optimize.objective, graph.dimension);
   const bool is_noise_sought = options.noise == NoiseScale::Observed;
-  const auto estimate = [&] {
-    if (is_noise_sought) refined.noise = estimate_noise(graph, refined.weights, options.optimize.objective);
+  const auto estimate = [&](NoiseMean mean) {
+    if (is_noise_sought) refined.noise = estimate_noise(graph, refined.weights, options.optimize.objective, mean);
   };
   for (int round = 0; round < (is_noise_sought ? kMaxRounds : 1); ++round) {
-    estimate();
+    estimate(NoiseMean::OfMedianStretch);
     const PoseGraph honest = with_noise(graph, refined.noise);
-    PoseGraph judged = with_noise(honest, of_objective);
+    PoseGraph judged = judged_honestly(honest, options.optimize.objective);
     const TruncatedProblem problem{thresholds(judged, 1.0 - probability_lost(options)), is_doubted, std::move(refined.weights)};
     const LoopConsistency loops(honest, options.doubted, options.inlier_probability);
-    ClusterExchange exchange = exchange_clusters(judged, problem, loops, options.doubted, options.optimize);
+    ClusterExchangeOptions exchange_options;
+    exchange_options.begins_anew = round == 0;
+    ClusterExchange exchange = exchange_clusters(judged, problem, loops, options.doubted, options.optimize, exchange_options);
     refined.weights = std::move(exchange.weights);
     refined.num_solves += exchange.num_solves;
     graph.vertices = std::move(judged.vertices);
   }
   for (int round = 0; round < kMaxRounds; ++round) {
-    estimate();
+    estimate(NoiseMean::OfAll);
     reconsider(graph, refined, is_doubted, options);
   }
   return refined;

@@ -13,7 +13,7 @@
 namespace fabloop {
 namespace {
 
-/// The truncated cost must fall by more than solves this rough may err, in parts of it.
+/// The truncated cost must fall by more than solves this rough may err, in parts of what they fit.
 constexpr double kLeastGain = 1e-3;
 
 using Cluster = std::vector<std::size_t>;  ///< Positions of edges in the graph.
@@ -32,7 +32,8 @@ class Exchange {
   }
 
   ClusterExchange run() {
-    best_ = settled({graph_.vertices, problem_.weights, {}, 0.0, 0}, Initialization::AsGiven);
+    best_ = settled({graph_.vertices, problem_.weights, {}, 0.0, 0.0, 0}, Initialization::AsGiven);
+    if (options_.begins_anew) begin_anew();
     for (std::size_t round = 0; round < options_.max_rounds; ++round) {
       const bool has_let_in = let_in();
       const bool has_left_out = leave_out();
@@ -56,6 +57,8 @@ class Exchange {
     return result;
   }
 
+  bool is_better(const TruncatedChoice& trial) const { return trial.cost < best_.cost - kLeastGain * best_.fitted_cost; }
+
   /// The best choice so far with some loops (positions in `loops_`) changed; taken over where the cost falls.
   /// What failed once is not tried again: other clusters that changed place since seldom make it better.
   bool try_with(const Cluster& members, double weight, Initialization initialization) {
@@ -63,7 +66,7 @@ class Exchange {
     TruncatedChoice trial = best_;
     for (const std::size_t k : members) trial.weights[loops_.edges()[k]] = weight;
     trial = settled(trial, initialization);
-    if (trial.weights == best_.weights || trial.cost >= (1.0 - kLeastGain) * best_.cost) {
+    if (!is_better(trial)) {
       failed_.emplace(members, weight);
       return false;
     }
@@ -71,13 +74,31 @@ class Exchange {
     return true;
   }
 
+  /// With the loops that one would begin with under the noise as it is known by now.
+  void begin_anew() {
+    const LoopTrial begin = choose_trial(graph_, loops_, doubted_);
+    TruncatedChoice trial = best_;
+    for (std::size_t k = 0; k < loops_.size(); ++k) {
+      const std::size_t e = loops_.edges()[k];
+      if (problem_.is_doubted[e]) trial.weights[e] = begin.is_tried[k] ? 1.0 : 0.0;
+    }
+    trial = settled(trial, relaxation_of(optimize_));
+    if (is_better(trial)) best_ = std::move(trial);
+  }
+
   bool is_kept(std::size_t k) const { return best_.weights[loops_.edges()[k]] > 0.5; }
 
-  std::vector<Cluster> candidates_to_let_in() const {
+  /// Over what is trusted and the loops kept.
+  SurePaths paths_kept() const {
     SurePaths paths(graph_, doubted_);
     for (std::size_t k = 0; k < loops_.size(); ++k) {
       if (is_kept(k)) paths.add(loops_.edges()[k]);
     }
+    return paths;
+  }
+
+  std::vector<Cluster> candidates_to_let_in() const {
+    const SurePaths paths = paths_kept();
     std::vector<Cluster> result;
     for (const Cluster& cluster : clusters_) {
       Cluster left_out;
@@ -103,40 +124,45 @@ class Exchange {
     for (const Cluster& cluster : candidates) {
       if (num_failures == options_.max_failures) break;
       if (candidates.size() == 1) break;
-      const bool is_better = try_with(cluster, 1.0, relaxation_of(optimize_));
-      num_failures = is_better ? 0 : num_failures + 1;
-      result_.num_let_in += is_better;
-      has_let_in = has_let_in || is_better;
+      const bool is_lower = try_with(cluster, 1.0, relaxation_of(optimize_));
+      num_failures = is_lower ? 0 : num_failures + 1;
+      result_.num_let_in += is_lower;
+      has_let_in = has_let_in || is_lower;
     }
     return has_let_in;
   }
 
-  bool leave_out() {
-    std::vector<std::pair<double, Cluster>> by_strain;
+  /// What the others contradict most comes first.
+  std::vector<Cluster> candidates_to_leave_out() const {
+    SurePaths paths = paths_kept();
     std::size_t num_kept = 0;
+    for (std::size_t k = 0; k < loops_.size(); ++k) num_kept += is_kept(k);
+    std::vector<std::pair<double, Cluster>> contradicted;
     for (const Cluster& cluster : clusters_) {
       Cluster kept;
-      double strain = 0.0;
-      for (const std::size_t k : cluster) {
-        const std::size_t e = loops_.edges()[k];
-        strain += std::min(1.0, best_.chi2[e] / problem_.c2[e]);
-        if (is_kept(k)) kept.push_back(k);
-      }
-      num_kept += kept.size();
-      if (kept.empty()) continue;
-      by_strain.emplace_back(strain / static_cast<double>(cluster.size()), std::move(kept));
+      std::copy_if(cluster.begin(), cluster.end(), std::back_inserter(kept), [&](std::size_t k) { return is_kept(k); });
+      // The thresholds judge a loop that has no neighbours, and what most loops say cannot be the odd one out.
+      if (cluster.size() < 2 || kept.empty() || 2 * kept.size() > num_kept) continue;
+      for (const std::size_t k : kept) paths.remove(loops_.edges()[k]);
+      const double by_others = contradiction(graph_, loops_, paths, kept);
+      for (const std::size_t k : kept) paths.add(loops_.edges()[k]);
+      contradicted.emplace_back(by_others, std::move(kept));
     }
-    std::stable_sort(by_strain.begin(), by_strain.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+    std::stable_sort(contradicted.begin(), contradicted.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+    std::vector<Cluster> result;
+    for (auto& [by_others, cluster] : contradicted) result.push_back(std::move(cluster));
+    return result;
+  }
+
+  bool leave_out() {
     bool has_left_out = false;
     std::size_t num_failures = 0;
-    for (const auto& [strain, cluster] : by_strain) {
+    for (const Cluster& cluster : candidates_to_leave_out()) {
       if (num_failures == options_.max_failures) break;
-      // What most loops say cannot be the odd one out.
-      if (2 * cluster.size() > num_kept) continue;
-      const bool is_better = try_with(cluster, 0.0, Initialization::AsGiven);
-      num_failures = is_better ? 0 : num_failures + 1;
-      result_.num_left_out += is_better;
-      has_left_out = has_left_out || is_better;
+      const bool is_lower = try_with(cluster, 0.0, Initialization::AsGiven);
+      num_failures = is_lower ? 0 : num_failures + 1;
+      result_.num_left_out += is_lower;
+      has_left_out = has_left_out || is_lower;
     }
     return has_left_out;
   }

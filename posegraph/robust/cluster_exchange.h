@@ -17,6 +17,9 @@ struct ClusterExchangeOptions {
   std::size_t max_failures = 3;
   /// Rounds of letting in and leaving out.
   std::size_t max_rounds = 10;
+  /// Also tries the loops that one would begin with under the noise as it is known by now (choose_trial()): one settling, which a
+  /// choice that was begun so need not repeat.
+  bool begins_anew = true;
 };
 
 /// What exchange_clusters() found.
@@ -29,8 +32,9 @@ struct ClusterExchange {
 
 /// Local search of the truncated cost over clusters of loops. Alternating choice and solve cannot bring back a group of loops
 /// that lies far off, nor get rid of one that the map has bent to. So groups of loops that are left out, agree among
-/// themselves, and are not contradicted by the surest way through odometry and the loops kept, are let in on trial; kept
-/// clusters that fit worst are left out on trial; and what lowers the truncated cost stays. `loops` are those of the graph.
+/// themselves, and are not contradicted by the surest way through odometry and the loops kept, are let in on trial; what is kept
+/// of the groups that this way, without themselves, contradicts most is left out on trial; and what lowers the truncated cost
+/// stays. `loops` are those of the graph.
 /// The cost never rises.
 ClusterExchange exchange_clusters(PoseGraph& graph, const TruncatedProblem& problem, const LoopConsistency& loops,
                                   const std::vector<EdgeKind>& doubted, const OptimizeOptions& optimize,

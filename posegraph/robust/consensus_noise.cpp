@@ -34,7 +34,7 @@ std::optional<double> consensus_rotation_factor(const PoseGraph& graph, const Lo
     rough.cost_tolerance = std::max(rough.cost_tolerance, kRoughTolerance);
     PoseGraph closed = graph;
     solve_weighted(closed, edges, rough);
-    const NoiseFactors shown = estimate_noise(closed, edges.weights, optimize.objective);
+    const NoiseFactors shown = estimate_noise(closed, edges.weights, optimize.objective, NoiseMean::OfMedianStretch);
     return std::min(1.0, kVarianceMargin * shown.rotation);
   }
   return std::nullopt;

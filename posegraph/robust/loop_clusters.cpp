@@ -30,15 +30,21 @@ std::vector<std::vector<std::size_t>> cluster_loops(const LoopConsistency& loops
   return by_root;
 }
 
-bool is_agreed_by(const PoseGraph& graph, const LoopConsistency& loops, const SurePaths& paths,
-                  const std::vector<std::size_t>& cluster) {
-  const std::vector<std::size_t> asked = spokesmen(cluster);
-  const auto num_agreeing = static_cast<std::size_t>(std::count_if(asked.begin(), asked.end(), [&](std::size_t k) {
+double contradiction(const PoseGraph& graph, const LoopConsistency& loops, const SurePaths& paths,
+                     const std::vector<std::size_t>& cluster) {
+  std::vector<double> of_members;
+  for (const std::size_t k : spokesmen(cluster)) {
     const Edge& edge = graph.edges[loops.edges()[k]];
     const auto path = paths.find(edge.from, edge.to);
-    return !path || loops.agrees(k, *path);
-  }));
-  return 2 * num_agreeing > asked.size();
+    of_members.push_back(path ? loops.contradiction(k, *path) : 0.0);
+  }
+  std::sort(of_members.begin(), of_members.end());
+  return of_members[of_members.size() / 2];
+}
+
+bool is_agreed_by(const PoseGraph& graph, const LoopConsistency& loops, const SurePaths& paths,
+                  const std::vector<std::size_t>& cluster) {
+  return contradiction(graph, loops, paths, cluster) <= 1.0;
 }
 
 LoopTrial choose_trial(const PoseGraph& graph, const LoopConsistency& loops, const std::vector<EdgeKind>& doubted,

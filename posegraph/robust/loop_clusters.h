@@ -24,8 +24,12 @@ struct LoopClusterOptions {
 /// Robust loop closing over time for pose graph SLAM, IJRR 2013.)
 std::vector<std::vector<std::size_t>> cluster_loops(const LoopConsistency& loops, const LoopClusterOptions& options = {});
 
-/// Whether most of a few members of a cluster agree with the surest way between their ends; where no way leads, nothing speaks
-/// against them.
+/// How far a cluster is from the surest way between its ends, in thresholds (LoopConsistency::contradiction()): the median of a
+/// few members. Zero where no way leads, since nothing speaks against them.
+double contradiction(const PoseGraph& graph, const LoopConsistency& loops, const SurePaths& paths,
+                     const std::vector<std::size_t>& cluster);
+
+/// Whether most of a few members of a cluster agree with the surest way between their ends.
 bool is_agreed_by(const PoseGraph& graph, const LoopConsistency& loops, const SurePaths& paths,
                   const std::vector<std::size_t>& cluster);
 

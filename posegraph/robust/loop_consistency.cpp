@@ -117,11 +117,11 @@ double LoopConsistency::chi2_of_odometry(std::size_t a) const {
   return mahalanobis(covariance, error, loop.has_scale);
 }
 
-bool LoopConsistency::agrees(std::size_t a, const UncertainPose& from_from_to) const {
+double LoopConsistency::contradiction(std::size_t a, const UncertainPose& from_from_to) const {
   const Loop& loop = loops_[a];
   const UncertainPose other = loop.is_turned ? inverse(from_from_to) : from_from_to;
   const Pose error = loop.from_from_to.inverse() * other.pose;
-  return mahalanobis(loop.covariance + other.covariance, error, loop.has_scale) <=
+  return mahalanobis(loop.covariance + other.covariance, error, loop.has_scale) /
          (loop.has_scale ? threshold_ : threshold_of_rotation_);
 }
 

@@ -39,8 +39,9 @@ class LoopConsistency {
   /// Squared Mahalanobis distance of a loop from what odometry alone says.
   double chi2_of_odometry(std::size_t a) const;
 
-  /// Whether a loop agrees with another measurement of the pose between its ends, those of the graph's edge.
-  bool agrees(std::size_t a, const UncertainPose& from_from_to) const;
+  /// How far a loop is from another measurement of the pose between its ends, those of the graph's edge: squared Mahalanobis
+  /// distance in thresholds, so that they agree up to 1.
+  double contradiction(std::size_t a, const UncertainPose& from_from_to) const;
 
   /// The loops nearest along the odometry, at most `count`: those with fewest steps between the starts and between the ends, and
   /// no more than `max_steps` of both. Nearest first.

@@ -42,6 +42,12 @@ void SurePaths::add(std::size_t edge) {
   hops_[added.to].push_back({added.from, edge, length});
 }
 
+void SurePaths::remove(std::size_t edge) {
+  for (const std::size_t v : {graph_.edges[edge].from, graph_.edges[edge].to}) {
+    std::erase_if(hops_[v], [&](const Hop& hop) { return hop.edge == edge; });
+  }
+}
+
 std::optional<UncertainPose> SurePaths::find(std::size_t from, std::size_t to) const {
   std::vector<double> best(hops_.size(), std::numeric_limits<double>::infinity());
   std::vector<Hop> arrived_by(hops_.size());

@@ -20,6 +20,9 @@ class SurePaths {
   /// Takes in one more edge (a position in the graph); nothing happens where it has no scale.
   void add(std::size_t edge);
 
+  /// Leaves an edge out again.
+  void remove(std::size_t edge);
+
   /// Pose of `to` in `from` along the surest path; none where no path leads there.
   std::optional<UncertainPose> find(std::size_t from, std::size_t to) const;
 

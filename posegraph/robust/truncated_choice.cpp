@@ -15,7 +15,7 @@ constexpr int kIterationsOfTrial = 20;
 constexpr double kToleranceOfTrial = 1e-4;
 
 /// Chi-square, in thresholds, of what is let in when settling wider.
-constexpr double kReach = 4.0;
+constexpr double kReach = 9.0;
 
 }  // namespace
 
@@ -50,7 +50,10 @@ TruncatedChoice settle(PoseGraph graph, const TruncatedProblem& problem, Optimiz
   }
   choice.vertices = std::move(graph.vertices);
   choice.weights = std::move(edges.weights);
-  choice.cost = truncated_cost(problem, choice.chi2);
+  choice.cost = choice.fitted_cost = truncated_cost(problem, choice.chi2);
+  for (std::size_t e = 0; e < choice.chi2.size(); ++e) {
+    if (problem.is_doubted[e] && choice.chi2[e] > problem.c2[e]) choice.fitted_cost -= problem.c2[e];
+  }
   return choice;
 }
 

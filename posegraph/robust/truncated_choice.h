@@ -23,6 +23,7 @@ struct TruncatedChoice {
   std::vector<double> weights;  ///< 0 or 1 for doubted edges.
   std::vector<double> chi2;     ///< Of all edges at these poses.
   double cost = 0.0;            ///< The truncated cost.
+  double fitted_cost = 0.0;     ///< Of it, what is not of loops that are left out: as exact as the solve.
   std::size_t num_solves = 0;
 };
 
@@ -34,7 +35,7 @@ double truncated_cost(const TruncatedProblem& problem, const std::vector<double>
 TruncatedChoice settle(PoseGraph graph, const TruncatedProblem& problem, OptimizeOptions optimize,
                        const std::vector<double>& known_weights = {});
 
-/// Settles with the loops let in whose errors are up to twice those that thresholds allow, since a map without them shows
+/// Settles with the loops let in whose errors are up to three times those that thresholds allow, since a map without them shows
 /// their error and its own; and without these where that costs more than the poses given.
 TruncatedChoice settle_wider(const PoseGraph& graph, const TruncatedProblem& problem, const OptimizeOptions& optimize);
 

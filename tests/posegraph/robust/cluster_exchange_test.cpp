@@ -55,6 +55,7 @@ ClusterExchange exchange(PoseGraph& graph, const TruncatedProblem& problem, std:
   const LoopConsistency loops(graph, kExchangedLoops, kProbability);
   ClusterExchangeOptions options;
   options.max_rounds = max_rounds;
+  options.begins_anew = false;
   return exchange_clusters(graph, problem, loops, kExchangedLoops, {}, options);
 }
 
@@ -112,6 +113,25 @@ TEST(ClusterExchange, PrefersTheFewerRightLoopsWhereMoreFalseOnesAgree) {
   const ClusterExchange found = exchange(graph, problem);
   for (const std::size_t e : added) EXPECT_EQ(found.weights[e], 0.0);
   EXPECT_EQ(num_loops(graph, found.weights), 16.0);
+}
+
+TEST(ClusterExchange, BeginsAnewWhereAFalseGroupHasBentTheMap) {
+  const test::Circle circle = drifting_circle(1, 3, 0.002);
+  PoseGraph bent = circle.graph;
+  const std::size_t num_right = bent.edges.size();
+  add_false_group(bent, circle.truth, 20, 57, 12);
+  optimize(bent);
+  const TruncatedProblem problem = problem_of(bent, 1.0);
+  const LoopConsistency loops(bent, kExchangedLoops, kProbability);
+  ClusterExchangeOptions options;
+  options.max_rounds = 0;
+  options.begins_anew = false;
+  PoseGraph stuck = bent;
+  const ClusterExchange as_it_was = exchange_clusters(stuck, problem, loops, kExchangedLoops, {}, options);
+  options.begins_anew = true;
+  const ClusterExchange anew = exchange_clusters(bent, problem, loops, kExchangedLoops, {}, options);
+  EXPECT_LT(anew.cost, 0.5 * as_it_was.cost);
+  for (std::size_t e = 0; e < anew.weights.size(); ++e) EXPECT_EQ(anew.weights[e], e < num_right ? 1.0 : 0.0) << e;
 }
 
 TEST(ClusterExchange, KeepsWhatIsNotDoubted) {

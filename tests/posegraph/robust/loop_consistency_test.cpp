@@ -8,6 +8,7 @@
 #include "posegraph/robust/consistent_loops.h"
 #include "posegraph/robust/false_loops.h"
 #include "posegraph/robust/loop_clusters.h"
+#include "posegraph/robust/sure_path.h"
 #include "tests/posegraph/synthetic_graph.h"
 #include "verification/uncertain_pose.h"
 
@@ -139,6 +140,21 @@ TEST(LoopClusters, HoldLoopsThatAgreeAndLeaveLonersAlone) {
   EXPECT_TRUE(trial.is_tried.front());
   EXPECT_TRUE(trial.is_foremost.front());
   EXPECT_FALSE(trial.is_tried.back());
+}
+
+TEST(SurePaths, ForgetWhatIsRemoved) {
+  test::CircleOptions options = noisy(3);
+  options.num_vertices = 80;
+  const PoseGraph graph = test::make_circle(options).graph;
+  const Edge& loop = graph.edges.back();
+  ASSERT_EQ(loop.kind, EdgeKind::Loop);
+  SurePaths paths(graph, kLoops);
+  const UncertainPose around = *paths.find(loop.from, loop.to);
+  paths.add(graph.edges.size() - 1);
+  const UncertainPose across = *paths.find(loop.from, loop.to);
+  EXPECT_LT(across.covariance.trace(), around.covariance.trace());
+  paths.remove(graph.edges.size() - 1);
+  EXPECT_EQ(paths.find(loop.from, loop.to)->covariance, around.covariance);
 }
 
 TEST(ObservedNoiseScale, IsOneForHonestMatricesAndSmallForTimidOnes) {

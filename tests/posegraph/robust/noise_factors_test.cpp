@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "tests/posegraph/synthetic_graph.h"
 
@@ -81,6 +82,31 @@ TEST(NoiseFactors, StayNearOneWhereLittleIsKnown) {
   const NoiseFactors factors = estimate_noise(graph, weights, Objective::Chordal);
   EXPECT_EQ(factors.translation, 1.0);
   EXPECT_EQ(factors.rotation, 1.0);
+}
+
+TEST(NoiseFactors, OfTheMedianStretchAreThoseOfTheMapWhereOnePartIsBent) {
+  for (const int dimension : {2, 3}) {
+    PoseGraph graph = solved_laps(dimension, {});
+    const NoiseFactors whole = estimate_noise(graph, ones(graph), Objective::Chordal, NoiseMean::OfMedianStretch);
+    // A median of stretches knows pi / 2 times less than the mean of all.
+    const double known = kNumLoops * 2.0 / std::numbers::pi;
+    EXPECT_NEAR(whole.translation, 1.0, spread(2.0 * known)) << dimension << "-D";
+    EXPECT_NEAR(whole.rotation, 1.0, spread(known)) << dimension << "-D";
+    for (std::size_t v = 380; v < 390; ++v) {
+      Edge wrong = graph.edges.back();
+      wrong.from = v;
+      wrong.to = v + 5;
+      wrong.from_from_to = graph.vertices[wrong.from].world_from_frame.inverse() *
+                           graph.vertices[wrong.to].world_from_frame * test::shift(1.0, 0.0, 0.0);
+      graph.edges.push_back(wrong);
+    }
+    optimize(graph);
+    const NoiseFactors of_all = estimate_noise(graph, ones(graph), Objective::Chordal);
+    EXPECT_GT(of_all.translation, 1.0 + spread(2.0 * known)) << "the part must be bent";
+    const NoiseFactors bent = estimate_noise(graph, ones(graph), Objective::Chordal, NoiseMean::OfMedianStretch);
+    EXPECT_NEAR(bent.translation, 1.0, spread(2.0 * known)) << dimension << "-D";
+    EXPECT_NEAR(bent.rotation, 1.0, spread(known)) << dimension << "-D";
+  }
 }
 
 TEST(NoiseFactors, LeftOutEdgesDoNotCount) {
