@@ -75,6 +75,11 @@ TEST(PoseChoice, PosesThatDifferByMuchAreToldApartByTheirRays) {
   EXPECT_EQ(num_right, kNumWorlds);
 }
 
+void append_rays(View& view, const View& more) {
+  view.rays.insert(view.rays.end(), more.rays.begin(), more.rays.end());
+  view.points_in_camera.resize(view.rays.size());
+}
+
 TEST(PoseChoice, PairsThatTheOtherPoseOfAPlaneLosesTellItApart) {
   // Nearly a plane: both poses fit most pairs alike, and a few trees only the right one.
   constexpr int kNumWorlds = 10;
@@ -84,6 +89,8 @@ TEST(PoseChoice, PairsThatTheOtherPoseOfAPlaneLosesTellItApart) {
     const TwoViews trees = make_two_views({.num_points = 30, .noise_px = 0.2, .baseline = 1.0, .seed = seed});
     ASSERT_EQ(trees.match_from_query.translation, world.match_from_query.translation);
     world.pairs.insert(world.pairs.end(), trees.pairs.begin(), trees.pairs.end());
+    append_rays(world.query, trees.query);
+    append_rays(world.match, trees.match);
     const auto pose = decided_pose(world, seed);
     num_right += pose && deg_from_rad(angle_between(pose->translation, world.match_from_query.translation)) < 5;
   }
