@@ -55,7 +55,8 @@ struct VerifierOptions {
   double max_point_error_px = 4.0;
   double max_log10_false_alarms = -8.0;  ///< Accepted accidents: at most one in 10^8 pairs of accidental matches.
   /// Least share of either image that the inliers' convex hull covers. How certain a pose from a small part of the image is, its
-  /// covariance says (max_rotation_sigma); this is for what no scatter shows: errors of the lens that are alike all over the part.
+  /// covariance says (max_rotation_sigma); this is for what no scatter shows: errors of the lens that are alike all over the
+  /// part.
   double min_inlier_area = 0.025;
   /// Another pose that so large a share of as many of the left matches agree with makes the texture a repeated one.
   double max_second_support = 0.6;

@@ -37,7 +37,8 @@ KeyframeMap keyframes_of(const EarlierFlight& earlier, const Model& model, int n
 std::vector<ScoredQuery> best_of_both_flights(const ScoreTable& scores, std::size_t num_earlier_places, std::size_t top);
 
 /// A run of the judged flight: `ledger` has all rows, `judged` is what came of those within the flight. Adds the others, which
-/// are all false, as each query's pairs with all places of the earlier flight are, and numbers the frames of both flights through.
+/// are all false, as each query's pairs with all places of the earlier flight are, and numbers the frames of both flights
+/// through.
 JudgedRun with_pairs_across(JudgedRun judged, const LedgerTable& ledger, const EarlierFlight& earlier);
 
 }  // namespace fabloop

@@ -61,8 +61,8 @@ struct LoopEvaluation {
 };
 
 /// Where no pairs are known: from the radius of true pairs up to this one, metres, camera centres show one place or not, and only
-/// a right pose tells. As `wanted_m`, or three times the height above ground, as far as oblique cameras see. Throws InputError for
-/// a radius below that of true pairs.
+/// a right pose tells. As `wanted_m`, or three times the height above ground, as far as oblique cameras see. Throws InputError
+/// for a radius below that of true pairs.
 double false_radius_m(const PoseRules& places, double height_above_ground_m, std::optional<double> wanted_m = {});
 
 /// Judges one loop that has a pose, accepted or not. Throws InputError for a frame position beyond the truth's frames.

@@ -49,8 +49,8 @@ std::vector<double> scores_of(const EpipolarEquations& equations, const Relative
 }
 
 /// Luck: each pose's noise, estimated from n independent residuals, is known to 1 / sqrt(2 n), relative, so that n times the
-/// difference of their logarithms has a standard deviation of sqrt(n). (The differences' own scatter, as in Vuong's test, is less,
-/// but says nothing of errors of the lens.)
+/// difference of their logarithms has a standard deviation of sqrt(n). (The differences' own scatter, as in Vuong's test, is
+/// less, but says nothing of errors of the lens.)
 double lead_over(const PoseCandidate& candidate, const PoseCandidate& other) {
   constexpr double kSigmas = 3.0;
   double count = 0, sum = 0;

@@ -49,8 +49,8 @@ struct PoseChoice {
 inline constexpr double kMinLead = 5.0;
 
 /// The relative pose or one that a plane would explain as well: the likelier one, by its rays, the points and the prior. By luck,
-/// and by errors of the lens that near pairs share, rays lie closer on one of two poses that explain them alike: what counts is by
-/// how much more than three standard deviations of luck.
+/// and by errors of the lens that near pairs share, rays lie closer on one of two poses that explain them alike: what counts is
+/// by how much more than three standard deviations of luck.
 PoseChoice choose_pose(const View& query, const View& match, const std::vector<Match>& matches, std::span<const RayPair> pairs,
                        RelativePose relative, const PoseChoiceOptions& options, const std::optional<PosePrior>& prior);
 

@@ -96,8 +96,8 @@ TEST(NoiseFactors, OfTheMedianStretchAreThoseOfTheMapWhereOnePartIsBent) {
       Edge wrong = graph.edges.back();
       wrong.from = v;
       wrong.to = v + 5;
-      wrong.from_from_to = graph.vertices[wrong.from].world_from_frame.inverse() *
-                           graph.vertices[wrong.to].world_from_frame * test::shift(1.0, 0.0, 0.0);
+      wrong.from_from_to = graph.vertices[wrong.from].world_from_frame.inverse() * graph.vertices[wrong.to].world_from_frame *
+                           test::shift(1.0, 0.0, 0.0);
       graph.edges.push_back(wrong);
     }
     optimize(graph);
