@@ -12,6 +12,7 @@
 #include "verification/inlier_spread.h"
 #include "verification/loop_probability.h"
 #include "verification/matching/guided_matching.h"
+#include "verification/matching/spots.h"
 #include "verification/matching/word_matching.h"
 #include "verification/pair_decision.h"
 #include "verification/pair_seed.h"
@@ -37,11 +38,6 @@ LoopEvidence evidence_of(const Verification& found, const PairPrior& prior) {
 VerifierOptions of_unit(VerifierOptions options, double unit_sigma) {
   options.scale_sigma = std::max(options.scale_sigma, unit_sigma);
   return options;
-}
-
-/// Most distinctive first, as poses are searched for.
-void sort_by_ratio(std::vector<Match>& matches) {
-  std::stable_sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) { return a.ratio < b.ratio; });
 }
 
 bool has_words(const View& view) { return view.words.size() == view.features.keypoints.size(); }
@@ -135,7 +131,7 @@ class Gates {
     RelativePoseOptions second = pose_options_;
     second.min_inliers = static_cast<std::size_t>(std::ceil(options_.max_second_support * result_.num_true));
     if (left.size() < std::max<std::size_t>(second.min_inliers, 6)) return 0;
-    sort_by_ratio(left);
+    left = most_distinctive_first(std::move(left), query_.features, 0);
     const auto other = estimate_relative_pose(ray_pairs(query_, match_, left), second);
     return other ? static_cast<int>(other->inliers.size()) : 0;
   }
@@ -174,7 +170,7 @@ class Gates {
     for (const Match& m : more) has_match[static_cast<std::size_t>(m.query)] = 1;
     std::copy_if(matches_.begin(), matches_.end(), std::back_inserter(more),
                  [&](const Match& m) { return !has_match[static_cast<std::size_t>(m.query)]; });
-    sort_by_ratio(more);
+    more = most_distinctive_first(std::move(more), query_.features, 0);
     std::vector<RayPair> pairs = ray_pairs(query_, match_, more);
     auto refined = refine_relative_pose(pairs, choice_.chosen.relative.match_from_query, pose_options_);
     if (!refined || refined->num_true <= result_.num_true) return false;

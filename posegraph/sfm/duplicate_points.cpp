@@ -18,8 +18,8 @@
 namespace fabloop {
 namespace {
 
-constexpr double kSameSpotPx =
-    1.5;  ///< Features of one spot, as of two orientations, are no further apart (see Features::pixel_size).
+/// Features of one spot, as of two orientations, are no further apart (see Features::pixel_size).
+constexpr double kSameSpotPx = 1.5;
 
 /// Where a point is and how surely.
 struct PointEstimate {

@@ -11,11 +11,6 @@ namespace {
 
 constexpr double kMinSigmaRad = 1e-9;
 
-double normal_density(double value, double sigma) {
-  const double z = value / sigma;
-  return std::exp(-0.5 * z * z) / (sigma * std::sqrt(2.0 * kPi));
-}
-
 /// The number of true ones, times how much more of those that stand near a pair in the order are true than of all: what its place
 /// says before its residual does.
 std::vector<double> num_true_by_order(const InlierNoise& noise) {
@@ -40,6 +35,11 @@ std::vector<double> num_true_by_order(const InlierNoise& noise) {
 }
 
 }  // namespace
+
+double normal_density(double value, double sigma) {
+  const double z = value / sigma;
+  return std::exp(-0.5 * z * z) / (sigma * std::sqrt(2.0 * kPi));
+}
 
 InlierNoise estimate_inlier_noise(std::span<const double> residuals_rad, double max_error_rad, std::size_t num_parameters) {
   InlierNoise noise;

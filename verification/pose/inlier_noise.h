@@ -16,6 +16,9 @@ struct InlierNoise {
   std::vector<double> p_true;
 };
 
+/// Of the normal distribution about zero.
+double normal_density(double value, double sigma);
+
 /// Fits a normal distribution on a uniform floor to residuals [rad], best pairs first, by expectation maximisation. The floor's
 /// height is what lies between one and three thresholds, where no true residual is. A pair among many true ones is likelier true.
 /// `num_parameters` is the number of the model's, which were fitted to the same residuals.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "verification/pose/epipolar_refinement.h"
+#include "verification/pose/inlier_noise.h"
 #include "verification/pose/planar_ambiguity.h"
 #include "verification/uncertain_pose.h"
 
@@ -40,10 +41,10 @@ double num_independent(double count) {
 /// Of each pair: log(1 + n N(r) / floor) with the true pairs' number and noise, where one accident is expected a threshold.
 std::vector<double> scores_of(const EpipolarEquations& equations, const RelativePose& relative, double max_error_rad) {
   std::vector<double> scores = equations.angles(frame_of(relative.match_from_query), max_error_rad);
-  const double height = relative.num_true * max_error_rad / (relative.noise_rad * std::sqrt(2.0 * kPi));
+  const double num_per_density = relative.num_true * max_error_rad;
   for (double& score : scores) {
-    const double z = score / relative.noise_rad;
-    score = std::abs(score) < max_error_rad ? std::log1p(height * std::exp(-0.5 * z * z)) : 0.0;
+    const bool is_within = std::abs(score) < max_error_rad;
+    score = is_within ? std::log1p(num_per_density * normal_density(score, relative.noise_rad)) : 0.0;
   }
   return scores;
 }
