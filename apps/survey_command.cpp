@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <filesystem>
-#include <fstream>
 #include <iomanip>
 #include <iostream>
 #include <memory>
@@ -14,6 +13,7 @@
 #include "frontend/error.h"
 #include "posegraph/evaluation/loop_truth.h"
 #include "posegraph/evaluation/pair_survey.h"
+#include "posegraph/evaluation/pair_survey_csv.h"
 
 namespace fabloop::apps {
 namespace {
@@ -22,6 +22,7 @@ struct SurveyArguments {
   std::vector<std::string> sequences;
   std::vector<double> heights_m;
   std::string pairs_csv;
+  std::string only_csv;
   FeatureArguments features;
   PairSurveyOptions options;
 };
@@ -50,24 +51,6 @@ void print_table(std::ostream& out, const std::vector<SurveySummary>& summaries,
   }
 }
 
-void write_pairs(const std::string& path, const std::vector<SurveyedPair>& pairs, const std::vector<Sequence>& sequences) {
-  std::ofstream file(path);
-  file
-      << "query_sequence,query,match_sequence,match,verdict,matches,inliers,num_true,log10_false_alarms,inlier_area,parallax_deg,"
-         "rotation_sigma_deg,translation_sigma,point_inliers,has_scale,iterations,tx,ty,tz,qx,qy,qz,qw\n";
-  for (const SurveyedPair& pair : pairs) {
-    const Verification& v = pair.verification;
-    const Eigen::Quaterniond& q = v.match_from_query.rotation;
-    const Eigen::Vector3d& t = v.match_from_query.translation;
-    file << sequences[pair.query.sequence].name << ',' << pair.query.frame << ',' << sequences[pair.match.sequence].name << ','
-         << pair.match.frame << ',' << to_string(v.verdict) << ',' << v.num_matches << ',' << v.num_inliers << ',' << v.num_true
-         << ',' << v.log10_false_alarms << ',' << v.inlier_area << ',' << v.median_parallax_deg << ',' << v.rotation_sigma_deg
-         << ',' << v.translation_sigma << ',' << v.num_point_inliers << ',' << v.has_scale << ',' << v.num_iterations << ','
-         << t.x() << ',' << t.y() << ',' << t.z() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ',' << q.w() << '\n';
-  }
-  if (!file.flush()) throw InputError(path + ": could not be written");
-}
-
 void run_survey(const SurveyArguments& arguments, const CommonOptions& common) {
   if (!arguments.heights_m.empty() && arguments.heights_m.size() != arguments.sequences.size()) {
     throw InputError("--height: give one height above ground for each of the " + std::to_string(arguments.sequences.size()) +
@@ -89,8 +72,9 @@ void run_survey(const SurveyArguments& arguments, const CommonOptions& common) {
   options.num_threads = common.num_threads;
   options.warn = make_warn(common);
   options.progress = make_progress(common);
+  if (!arguments.only_csv.empty()) options.only = read_asked_pairs(arguments.only_csv, sequences);
   const std::vector<SurveyedPair> pairs = survey_pairs(sequences, options);
-  if (!arguments.pairs_csv.empty()) write_pairs(arguments.pairs_csv, pairs, sequences);
+  if (!arguments.pairs_csv.empty()) write_surveyed_pairs(arguments.pairs_csv, pairs, sequences, truths, evaluations);
   print_table(std::cout, summarise_survey(pairs, truths, evaluations), sequences);
 }
 
@@ -104,6 +88,9 @@ void add_survey_command(CLI::App& program, const CommonOptions& common) {
       ->required();
   command->add_option("--height", arguments->heights_m, "metres above ground, one a sequence: 10 % more is a false pose");
   command->add_option("--pairs", arguments->pairs_csv, "CSV file to write every pair and its figures to");
+  command
+      ->add_option("--only", arguments->only_csv, "verify only the pairs of this CSV file, as --pairs writes it, or lines of it")
+      ->check(CLI::ExistingFile);
   VerifierOptions& verifier = arguments->options.verifier;
   command->add_option("--min-inliers", verifier.min_inliers, "least inliers of a pair")->capture_default_str();
   command

@@ -24,6 +24,8 @@ struct SurveyedView {
   View view;
 };
 
+SurveyedFrame frame_of(const SurveyedView& surveyed) { return {surveyed.sequence, surveyed.view.frame}; }
+
 /// What the odometry says of the way between two views, over those between them.
 UncertainPose odometry_of(std::size_t earlier, std::size_t current, const std::vector<View>& views, const Sequence& sequence) {
   UncertainPose earlier_from_view;
@@ -69,16 +71,49 @@ void link_neighbours_of(std::vector<View>& views, const Sequence& sequence, cons
   }
 }
 
+/// Frames of a sequence that follow one another: from the first to before the last.
+struct FrameRange {
+  std::size_t first = 0, last = 0;
+};
+
+/// The frames of a sequence that must be seen: all, or those of the pairs that are asked for with all that may give them depth.
+std::vector<FrameRange> needed_frames(std::size_t sequence, std::size_t num_frames, const PairSurveyOptions& options) {
+  if (!options.only) return {{0, num_frames}};
+  std::set<std::size_t> asked;
+  for (const AskedPair& pair : *options.only) {
+    for (const SurveyedFrame& frame : {pair.query, pair.match}) {
+      if (frame.sequence == sequence) asked.insert(frame.frame);
+    }
+  }
+  const std::size_t reach = options.max_neighbour_distance;
+  std::vector<FrameRange> ranges;
+  for (const std::size_t frame : asked) {
+    const std::size_t first = frame - std::min(frame, reach);
+    const std::size_t last = std::min(num_frames, frame + reach + 1);
+    if (!ranges.empty() && first <= ranges.back().last) {
+      ranges.back().last = last;
+    } else {
+      ranges.push_back({first, last});
+    }
+  }
+  return ranges;
+}
+
 std::vector<SurveyedView> views_of(const std::vector<Sequence>& sequences, const PairSurveyOptions& options) {
   std::vector<SurveyedView> all;
   for (std::size_t s = 0; s < sequences.size(); ++s) {
-    DescribedSequence described =
-        describe_sequence(sequences[s], {options.features, IfDamaged::Skip, options.num_threads, options.warn, options.progress});
-    std::vector<View> views;
-    for (DescribedFrame& frame : described.frames)
-      views.push_back(make_view(frame.frame, sequences[s].camera, std::move(frame.features)));
-    link_neighbours_of(views, sequences[s], options);
-    for (View& view : views) all.push_back({s, std::move(view)});
+    for (const FrameRange& range : needed_frames(s, sequences[s].frames.size(), options)) {
+      Sequence part = sequences[s];
+      part.frames.assign(sequences[s].frames.begin() + static_cast<std::ptrdiff_t>(range.first),
+                         sequences[s].frames.begin() + static_cast<std::ptrdiff_t>(range.last));
+      DescribedSequence described =
+          describe_sequence(part, {options.features, IfDamaged::Skip, options.num_threads, options.warn, options.progress});
+      std::vector<View> views;
+      for (DescribedFrame& frame : described.frames)
+        views.push_back(make_view(range.first + frame.frame, part.camera, std::move(frame.features)));
+      link_neighbours_of(views, sequences[s], options);
+      for (View& view : views) all.push_back({s, std::move(view)});
+    }
   }
   return all;
 }
@@ -109,24 +144,36 @@ OverlapRecall recall(double min_overlap, double max_overlap, const LoopTruth& tr
 std::vector<SurveyedPair> survey_pairs(const std::vector<Sequence>& sequences, const PairSurveyOptions& options) {
   const std::vector<SurveyedView> views = views_of(sequences, options);
   const Verifier verifier(options.verifier);
+  const std::set<AskedPair> only =
+      options.only ? std::set<AskedPair>(options.only->begin(), options.only->end()) : std::set<AskedPair>();
+  const auto is_asked = [&](const SurveyedView& query, const SurveyedView& match) {
+    return !options.only || only.count({frame_of(query), frame_of(match)}) > 0;
+  };
+  const std::size_t num_pairs = options.only ? only.size() : views.size() * (views.size() - 1) / 2;
   std::vector<std::vector<SurveyedPair>> rows(views.size());
   std::mutex progress_mutex;
   std::size_t num_done = 0;
   parallel_for(views.size(), options.num_threads, [&](std::size_t q) {
     for (std::size_t m = 0; m < q; ++m) {
-      SurveyedPair pair{{views[q].sequence, views[q].view.frame},
-                        {views[m].sequence, views[m].view.frame},
-                        verifier.verify(views[q].view, views[m].view)};
+      if (!is_asked(views[q], views[m])) continue;
+      SurveyedPair pair{frame_of(views[q]), frame_of(views[m]), verifier.verify(views[q].view, views[m].view)};
       pair.verification.inliers = {};
       rows[q].push_back(std::move(pair));
     }
     const std::lock_guard lock(progress_mutex);
-    num_done += q;
-    if (options.progress) options.progress("pairs", num_done, views.size() * (views.size() - 1) / 2);
+    num_done += rows[q].size();
+    if (options.progress) options.progress("pairs", num_done, num_pairs);
   });
   std::vector<SurveyedPair> pairs;
   for (auto& row : rows) std::move(row.begin(), row.end(), std::back_inserter(pairs));
   return pairs;
+}
+
+JudgedLoop judge_pair(const SurveyedPair& pair, const std::vector<LoopTruth>& truths,
+                      const std::vector<LoopEvaluationOptions>& evaluations) {
+  const std::size_t sequence = pair.query.sequence;
+  if (sequence != pair.match.sequence) return {pair.query.frame, pair.match.frame, LoopJudgement::FalsePair};
+  return judge_loop(record_of(pair), truths[sequence], evaluations[sequence]);
 }
 
 std::vector<SurveySummary> summarise_survey(const std::vector<SurveyedPair>& pairs, const std::vector<LoopTruth>& truths,

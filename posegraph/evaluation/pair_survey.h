@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -16,21 +17,29 @@
 
 namespace fabloop {
 
+/// A frame of one of the sequences.
+struct SurveyedFrame {
+  std::size_t sequence = 0;
+  std::size_t frame = 0;  ///< Position in its sequence.
+  friend auto operator<=>(const SurveyedFrame&, const SurveyedFrame&) = default;
+};
+
+/// A pair to verify: the query is the later frame.
+struct AskedPair {
+  SurveyedFrame query, match;
+  friend auto operator<=>(const AskedPair&, const AskedPair&) = default;
+};
+
 struct PairSurveyOptions {
   FeatureOptions features;
   VerifierOptions verifier;
   NeighbourOptions neighbour;      ///< Gives features a depth where a sequence has odometry.
   std::size_t num_neighbours = 3;  ///< As LoopCloserOptions.
   std::size_t max_neighbour_distance = 16;
-  int num_threads = 0;  ///< 0: all. The result does not depend on it.
+  std::optional<std::vector<AskedPair>> only = {};  ///< These pairs, as far as both frames can be read. None: every pair.
+  int num_threads = 0;                              ///< 0: all. The result does not depend on it.
   Warn warn;
   Progress progress;
-};
-
-/// A frame of one of the sequences.
-struct SurveyedFrame {
-  std::size_t sequence = 0;
-  std::size_t frame = 0;  ///< Position in its sequence.
 };
 
 /// A pair and what verification makes of it: the later frame is the query.
@@ -42,6 +51,11 @@ struct SurveyedPair {
 /// Verifies every pair of images inside the sequences and across them, not only those that look alike: what a geometric check
 /// lets through and misses when nothing protects it. Pairs in the order of their frames.
 std::vector<SurveyedPair> survey_pairs(const std::vector<Sequence>& sequences, const PairSurveyOptions& options = {});
+
+/// Judges one pair, accepted or not, that has a pose; `truths` and `evaluations` by sequence. Across sequences every pair is of
+/// two places.
+JudgedLoop judge_pair(const SurveyedPair& pair, const std::vector<LoopTruth>& truths,
+                      const std::vector<LoopEvaluationOptions>& evaluations);
 
 /// How pairs with an overlap in [min_overlap, max_overlap) fare.
 struct OverlapRecall {

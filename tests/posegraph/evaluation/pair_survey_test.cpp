@@ -4,7 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
+#include <vector>
 
+#include "posegraph/evaluation/pair_survey_csv.h"
+#include "tests/frontend/sequence/temporary_folder.h"
 #include "tests/posegraph/tiny_map.h"
 
 namespace fabloop {
@@ -56,6 +60,53 @@ TEST(PairSurvey, DoesNotDependOnTheNumberOfThreads) {
     EXPECT_EQ(one[i].verification.verdict, three[i].verification.verdict) << i;
     EXPECT_EQ(one[i].verification.match_from_query.translation, three[i].verification.match_from_query.translation) << i;
   }
+}
+
+TEST(PairSurvey, AskedForSomePairsMakesTheSameOfThem) {
+  const Sequence sequence = thinned(read_tiny_sequence());
+  PairSurveyOptions options = tiny_survey_options();
+  options.max_neighbour_distance = 2;  // so that not all frames need be seen
+  const auto every = survey_pairs({sequence, sequence}, options);
+  options.only = std::vector<AskedPair>{{{0, 2}, {0, 0}}, {{1, 1}, {0, 1}}};
+  const auto some = survey_pairs({sequence, sequence}, options);
+  ASSERT_EQ(some.size(), 2U);
+  for (const SurveyedPair& pair : some) {
+    const auto same = std::find_if(every.begin(), every.end(), [&](const SurveyedPair& other) {
+      return other.query == pair.query && other.match == pair.match;
+    });
+    ASSERT_NE(same, every.end());
+    EXPECT_EQ(same->verification.verdict, pair.verification.verdict);
+    EXPECT_EQ(same->verification.num_point_inliers, pair.verification.num_point_inliers);
+    EXPECT_EQ(same->verification.match_from_query.translation, pair.verification.match_from_query.translation);
+  }
+}
+
+TEST(PairSurvey, IsAskedForByLinesOfTheFileThatItWrote) {
+  Sequence sequence = thinned(read_tiny_sequence());
+  sequence.name = "tiny";
+  const LoopTruth truth = truth_of(sequence);
+  PairSurveyOptions options = tiny_survey_options();
+  options.only = std::vector<AskedPair>{{{0, 2}, {0, 0}}, {{0, 2}, {0, 1}}};
+  const TemporaryFolder folder;
+  write_surveyed_pairs(folder.path() / "pairs.csv", survey_pairs({sequence}, options), {sequence}, {truth}, {{}});
+  EXPECT_EQ(read_asked_pairs(folder.path() / "pairs.csv", {sequence}), *options.only);
+}
+
+TEST(PairSurvey, NamesTheLineThatAsksForWhatIsNotThere) {
+  Sequence sequence;
+  sequence.name = "tiny";
+  sequence.frames.resize(3);
+  const TemporaryFolder folder;
+  const auto refused = [&](const std::string& line) {
+    const auto path = folder.write("only.csv", "query_sequence,query,match_sequence,match\n" + line + "\n");
+    return input_error_of([&] { read_asked_pairs(path, {sequence}); });
+  };
+  EXPECT_EQ(read_asked_pairs(folder.write("only.csv", "tiny,0,tiny,1\n"), {sequence}),
+            (std::vector<AskedPair>{{{0, 1}, {0, 0}}}));
+  EXPECT_NE(refused("tiny,3,tiny,1").find("only.csv:2"), std::string::npos);
+  EXPECT_NE(refused("other,1,tiny,1").find("\"other\""), std::string::npos);
+  EXPECT_NE(refused("tiny,1,tiny,1").find("itself"), std::string::npos);
+  EXPECT_NE(refused("tiny,1").find("four columns"), std::string::npos);
 }
 
 TEST(PairSurvey, AcceptedPairsOfOneFlightAreRightAndAcrossFlightsCountAsFalse) {
