@@ -230,7 +230,8 @@ Verification Verifier::verify(const View& query, const View& match, const PairPr
                                          ? match_words(query, query_first, match, match_first, options_)
                                          : match_features(query_first, match_first, options_.matching);
   Verification first = Gates(query, match, matches, {}, prior, options_).pass();
-  if (first.verdict == Verdict::Accepted) return first;
+  const bool is_accepted = first.verdict == Verdict::Accepted;
+  if (is_accepted && first.num_true >= look.min_true) return first;
   if (largest_similar_group(query_first, match_first, matches, look.similar) < look.min_similar) return first;
   MatchingOptions lax = options_.matching;
   lax.max_ratio = std::max(lax.max_ratio, look.max_ratio);
@@ -243,7 +244,7 @@ Verification Verifier::verify(const View& query, const View& match, const PairPr
   consistent.erase(others, consistent.end());
   Verification second = Gates(query, match, std::move(consistent), std::move(inconsistent), prior, options_).pass();
   second.num_looks = 2;
-  return second;
+  return is_accepted && second.num_true < first.num_true ? first : second;
 }
 
 }  // namespace fabloop

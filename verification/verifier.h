@@ -21,10 +21,12 @@
 
 namespace fabloop {
 
-/// A pair that the first features do not prove is looked at again, with all of them, where that may help. The second look takes
-/// only matches that turn and grow like most, so its ratio test may be laxer.
+/// A pair that the first features do not prove is looked at again, with all of them, where that may help; so is one that they
+/// prove thinly, since a few accidental inliers can bend its pose. The second look takes only matches that turn and grow like
+/// most, so its ratio test may be laxer.
 struct SecondLook {
   std::size_t num_first_features = 2000;  ///< Of the first look, whose time grows with their square.
+  double min_true = 40;                   ///< Of an accepted first look with fewer true inliers the second look decides.
   std::size_t min_similar = 4;            ///< Least largest_similar_group() of the first look's matches that is worth another.
   double max_ratio = 0.9;                 ///< Of the second look; the first has MatchingOptions::max_ratio.
   SimilarGroupOptions similar;

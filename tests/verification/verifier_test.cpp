@@ -240,6 +240,23 @@ TEST(Verifier, LooksAgainWithAllFeaturesWhereTheFirstProveNothing) {
   EXPECT_NE(once.verdict, Verdict::Accepted);
 }
 
+TEST(Verifier, LooksAgainWhereTheFirstFeaturesProveThinly) {
+  const TwoViews world = make_two_views({.num_points = 300, .outlier_ratio = 0.3, .noise_px = 0.3, .with_points = true});
+  VerifierOptions options;
+  options.second_look.num_first_features = 40;
+  options.second_look.min_true = 10;
+  const Verification thin = Verifier(options).verify(world.query, world.match);
+  ASSERT_EQ(thin.verdict, Verdict::Accepted) << to_string(thin.verdict);
+  EXPECT_EQ(thin.num_looks, 1);
+  options.second_look.min_true = VerifierOptions().second_look.min_true;
+  ASSERT_LT(thin.num_true, options.second_look.min_true);
+  const Verification sure = Verifier(options).verify(world.query, world.match);
+  EXPECT_EQ(sure.verdict, Verdict::Accepted) << to_string(sure.verdict);
+  EXPECT_EQ(sure.num_looks, 2);
+  EXPECT_GT(sure.num_true, 3 * thin.num_true);
+  EXPECT_LT(sure.rotation_sigma_deg, thin.rotation_sigma_deg);
+}
+
 /// Gives all features of the match but the first `num_distinct` a double elsewhere that looks about as much like the query's.
 TwoViews with_doubles(TwoViews world, int num_distinct) {
   cv::RNG random(1);
