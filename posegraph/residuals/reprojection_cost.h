@@ -61,15 +61,17 @@ class TurnedView {
 /// that any lens model costs the same. The pixels are of the undistorted image. Blocks: view, point.
 class PinholeError final : public ceres::SizedCostFunction<2, kViewSize, 3> {
  public:
-  /// `normalised` is where the ray meets z = 1. The view must outlive it.
-  PinholeError(TurnedView& view, double focal_x, double focal_y, const Eigen::Vector2d& normalised)
-      : view_(&view), focal_x_(focal_x), focal_y_(focal_y), normalised_(normalised) {}
+  /// `normalised` is where the ray meets z = 1. The view must outlive it. Of a rolling shutter `shift_in_world` is how far the
+  /// centre has moved on when the row is read; how far the camera has turned by then, the ray must have been turned.
+  PinholeError(TurnedView& view, double focal_x, double focal_y, const Eigen::Vector2d& normalised,
+               const Eigen::Vector3d& shift_in_world = Eigen::Vector3d::Zero())
+      : view_(&view), focal_x_(focal_x), focal_y_(focal_y), normalised_(normalised), shift_in_world_(shift_in_world) {}
 
   bool Evaluate(const double* const* blocks, double* error, double** by_block) const override {
     view_->turn_to(blocks[0]);
     const Eigen::Matrix3d& camera_from_world = view_->camera_from_world();
     const Eigen::Map<const Eigen::Vector3d> centre(blocks[0] + 3), x_in_world(blocks[1]);
-    const Eigen::Vector3d x = camera_from_world * (x_in_world - centre);
+    const Eigen::Vector3d x = camera_from_world * (x_in_world - centre - shift_in_world_);
     constexpr double kLeastDepth = 1e-9;
     if (!(x.z() > kLeastDepth)) return false;
     const double inverse_z = 1.0 / x.z();
@@ -98,6 +100,7 @@ class PinholeError final : public ceres::SizedCostFunction<2, kViewSize, 3> {
   TurnedView* view_;
   double focal_x_, focal_y_;
   Eigen::Vector2d normalised_;
+  Eigen::Vector3d shift_in_world_;
 };
 
 /// Error in pixels under a Radtan lens whose focal length (as a factor), k1 and k2 are the block `lens`; the other numbers stay.
@@ -107,16 +110,21 @@ struct LensError {
   Eigen::Quaterniond start;  ///< Of the view.
   Eigen::Vector2d pixel;
   double pixel_size = 1.0;  ///< The errors' unit, in the image's pixels.
+  /// What a rolling shutter's camera has moved on, and turned in its own frame, when it reads the row.
+  Eigen::Vector3d shift_in_world = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
 
   double k(std::size_t i) const { return i < camera.distortion.size() ? camera.distortion[i] : 0.0; }
 
   template <typename T>
   bool operator()(const T* view, const T* x_in_world, const T* lens, T* error) const {
     const Eigen::Map<const Eigen::Matrix<T, 3, 1>> centre(view + 3), x_world(x_in_world);
-    const Eigen::Matrix<T, 3, 1> from_start = start.conjugate().cast<T>() * Eigen::Matrix<T, 3, 1>(x_world - centre);
+    const Eigen::Matrix<T, 3, 1> from_centre = x_world - centre - shift_in_world.cast<T>();
+    const Eigen::Matrix<T, 3, 1> from_start = start.conjugate().cast<T>() * from_centre;
     const T turned_back[3] = {-view[0], -view[1], -view[2]};
-    Eigen::Matrix<T, 3, 1> p;
-    ceres::AngleAxisRotatePoint(turned_back, from_start.data(), p.data());
+    Eigen::Matrix<T, 3, 1> from_middle_row;
+    ceres::AngleAxisRotatePoint(turned_back, from_start.data(), from_middle_row.data());
+    const Eigen::Matrix<T, 3, 1> p = turn.conjugate().cast<T>() * from_middle_row;
     if (!(p.z() > T(1e-9))) return false;
     const T x = p.x() / p.z();
     const T y = p.y() / p.z();
@@ -138,6 +146,21 @@ struct PositionError {
   template <typename T>
   bool operator()(const T* view, T* error) const {
     for (int i = 0; i < 3; ++i) error[i] = (view[3 + i] - position[i]) / sigma[i];
+    return true;
+  }
+};
+
+/// A camera's distance from a held one against what it was, as a share of it in standard deviations: holds the unit of length.
+/// For automatic derivatives. Block: view.
+struct DistanceError {
+  Eigen::Vector3d held_centre;
+  double distance;
+  double relative_sigma;
+
+  template <typename T>
+  bool operator()(const T* view, T* error) const {
+    const Eigen::Matrix<T, 3, 1> away = Eigen::Map<const Eigen::Matrix<T, 3, 1>>(view + 3) - held_centre.cast<T>();
+    error[0] = (away.norm() / distance - 1.0) / relative_sigma;
     return true;
   }
 };

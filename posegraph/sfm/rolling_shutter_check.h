@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "posegraph/sfm/camera_rates.h"
+#include "posegraph/sfm/segment.h"
+
+namespace fabloop {
+
+struct RollingShutterCheckOptions {
+  double loss_px = 1.5;  ///< As of the adjustment that the segment comes from.
+  /// How well a calibration knows the ratio of fx and fy, and the angle between rows and columns in radians. Where all cameras
+  /// fly one way in their own frame a rolling shutter looks like an error of these, and is told no better than they are known.
+  double affine_sigma = 1e-3;
+  double min_shift_px = 1.0;  ///< From the first row to the last, in pixels of the images; less is not worth a warning.
+};
+
+/// What the images say to the time between a camera's first row and its last.
+struct RollingShutterCheck {
+  bool is_known = false;     ///< Cameras move, and the adjustment leaves something to be seen.
+  double readout_s = 0;      ///< Best value; negative where rows are read from the last to the first.
+  double sigma_s = 0;        ///< Its standard deviation.
+  double px_per_s = 0;       ///< How far the median sighting moves over the image in a second, pixels of the images.
+  bool is_certain = false;   ///< The best value is beyond doubt not zero.
+  bool is_relevant = false;  ///< It is, and moves sightings by more than `min_shift_px`.
+
+  double shift_px() const { return readout_s * px_per_s; }
+  double shift_sigma_px() const { return sigma_s * px_per_s; }
+};
+
+/// One Gauss-Newton step of the readout time from an adjusted segment, poses and points free beside it, as is an affine error of
+/// the camera (ratio of the axes, skew). The sigma is robust against errors that are alike within an image: the step's score is
+/// summed by image, and what these sums scatter by is taken for the noise (Liang & Zeger 1986; the README has the equations).
+/// `readout_s` is the one under which the segment was adjusted, 0 where it has no readout_motions; rates are one a view.
+RollingShutterCheck check_rolling_shutter(const Scene& scene, const Segment& segment, const std::vector<CameraRate>& rates,
+                                          double readout_s, const RollingShutterCheckOptions& options = {});
+
+/// Sets what follows from the best value and its sigma: `is_certain`, `is_relevant`.
+void judge(RollingShutterCheck& check, const RollingShutterCheckOptions& options = {});
+
+}  // namespace fabloop
