@@ -10,6 +10,7 @@
 
 #include "frontend/geometry/camera.h"
 #include "frontend/geometry/pose.h"
+#include "posegraph/sfm/readout_motion.h"
 
 /// Errors of bundle adjustment. A view is one block of six numbers: the rotation vector w by which it turns from where it
 /// started, world_from_camera = start * exp(w), and the camera's centre in the world. From a start that is not far off, w needs
@@ -61,11 +62,19 @@ class TurnedView {
 /// that any lens model costs the same. The pixels are of the undistorted image. Blocks: view, point.
 class PinholeError final : public ceres::SizedCostFunction<2, kViewSize, 3> {
  public:
-  /// `normalised` is where the ray meets z = 1. The view must outlive it. Of a rolling shutter `shift_in_world` is how far the
-  /// centre has moved on when the row is read; how far the camera has turned by then, the ray must have been turned.
-  PinholeError(TurnedView& view, double focal_x, double focal_y, const Eigen::Vector2d& normalised,
-               const Eigen::Vector3d& shift_in_world = Eigen::Vector3d::Zero())
-      : view_(&view), focal_x_(focal_x), focal_y_(focal_y), normalised_(normalised), shift_in_world_(shift_in_world) {}
+  /// `normalised` is where the ray meets z = 1. The view must outlive it.
+  PinholeError(TurnedView& view, double focal_x, double focal_y, const Eigen::Vector2d& normalised)
+      : view_(&view), focal_x_(focal_x), focal_y_(focal_y), normalised_(normalised) {}
+
+  /// Of a ray without the lens's distortion (camera frame), in units of `pixel_size` of the camera's pixels, seen at `share` of a
+  /// rolling shutter's readout. What the camera has moved and turned by then are constants of the sighting, so that the blocks
+  /// and the derivatives stay those of a global shutter.
+  PinholeError(TurnedView& view, const Camera& camera, double pixel_size, const Eigen::Vector3d& ray,
+               const ReadoutMotion& readout, double share)
+      : PinholeError(view, camera.fx / pixel_size, camera.fy / pixel_size,
+                     (rotation_from_vector(share * readout.turn) * ray).hnormalized()) {
+    shift_in_world_ = share * readout.shift_in_world;
+  }
 
   bool Evaluate(const double* const* blocks, double* error, double** by_block) const override {
     view_->turn_to(blocks[0]);
@@ -100,7 +109,7 @@ class PinholeError final : public ceres::SizedCostFunction<2, kViewSize, 3> {
   TurnedView* view_;
   double focal_x_, focal_y_;
   Eigen::Vector2d normalised_;
-  Eigen::Vector3d shift_in_world_;
+  Eigen::Vector3d shift_in_world_ = Eigen::Vector3d::Zero();
 };
 
 /// Error in pixels under a Radtan lens whose focal length (as a factor), k1 and k2 are the block `lens`; the other numbers stay.
@@ -110,21 +119,20 @@ struct LensError {
   Eigen::Quaterniond start;  ///< Of the view.
   Eigen::Vector2d pixel;
   double pixel_size = 1.0;  ///< The errors' unit, in the image's pixels.
-  /// What a rolling shutter's camera has moved on, and turned in its own frame, when it reads the row.
-  Eigen::Vector3d shift_in_world = Eigen::Vector3d::Zero();
-  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
+  ReadoutMotion readout{};  ///< Of a rolling shutter.
+  double share = 0;         ///< Of the readout when the pixel's row is read.
 
   double k(std::size_t i) const { return i < camera.distortion.size() ? camera.distortion[i] : 0.0; }
 
   template <typename T>
   bool operator()(const T* view, const T* x_in_world, const T* lens, T* error) const {
     const Eigen::Map<const Eigen::Matrix<T, 3, 1>> centre(view + 3), x_world(x_in_world);
-    const Eigen::Matrix<T, 3, 1> from_centre = x_world - centre - shift_in_world.cast<T>();
+    const Eigen::Matrix<T, 3, 1> from_centre = x_world - centre - Eigen::Vector3d(share * readout.shift_in_world).cast<T>();
     const Eigen::Matrix<T, 3, 1> from_start = start.conjugate().cast<T>() * from_centre;
     const T turned_back[3] = {-view[0], -view[1], -view[2]};
     Eigen::Matrix<T, 3, 1> from_middle_row;
     ceres::AngleAxisRotatePoint(turned_back, from_start.data(), from_middle_row.data());
-    const Eigen::Matrix<T, 3, 1> p = turn.conjugate().cast<T>() * from_middle_row;
+    const Eigen::Matrix<T, 3, 1> p = rotation_from_vector(-share * readout.turn).cast<T>() * from_middle_row;
     if (!(p.z() > T(1e-9))) return false;
     const T x = p.x() / p.z();
     const T y = p.y() / p.z();

@@ -83,16 +83,12 @@ class Adjustment {
       TurnedView& turned = turned_[sighting.view];
       const double share = readout_share(bundle_.camera, sighting.pixel.y());
       const ReadoutMotion& readout = bundle_.views[sighting.view].readout;
-      const Eigen::Vector3d shift = share * readout.shift_in_world;
-      const Eigen::Quaterniond turn = rotation_from_vector(share * readout.turn);
       if (refines()) {
         lens_errors_.push_back(std::make_unique<LensCost>(
-            new bundle::LensError{bundle_.camera, turned.start(), sighting.pixel, bundle_.pixel_size, shift, turn}));
+            new bundle::LensError{bundle_.camera, turned.start(), sighting.pixel, bundle_.pixel_size, readout, share}));
         problem_.AddResidualBlock(lens_errors_.back().get(), &loss_, view(sighting.view), point(sighting.point), lens());
       } else {
-        const Eigen::Vector3d ray = turn * rays[i];
-        pinhole_errors_.emplace_back(turned, bundle_.camera.fx / bundle_.pixel_size, bundle_.camera.fy / bundle_.pixel_size,
-                                     ray.head<2>() / ray.z(), shift);
+        pinhole_errors_.emplace_back(turned, bundle_.camera, bundle_.pixel_size, rays[i], readout, share);
         problem_.AddResidualBlock(&pinhole_errors_.back(), &loss_, view(sighting.view), point(sighting.point));
       }
     }

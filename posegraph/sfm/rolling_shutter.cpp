@@ -21,8 +21,8 @@ std::optional<double> model_rolling_shutter(const Scene& scene, Segment& segment
   double readout_s = options.readout_s;
   if (!is_known) {
     const RollingShutterCheck check = check_rolling_shutter(scene, segment, rates, 0.0, options.check);
-    if (!check.is_certain) return std::nullopt;
-    readout_s = check.readout_s;
+    if (!check.is_relevant) return std::nullopt;
+    readout_s = check.readout_of_given_camera_s;
   }
   for (int round = 0; round < kMaxRounds; ++round) {
     segment.readout_motions = readout_motions(rates, readout_s);
@@ -30,7 +30,7 @@ std::optional<double> model_rolling_shutter(const Scene& scene, Segment& segment
     adjust_segment(scene, segment);
     rates = camera_rates(segment.world_from_cameras, times_ns);
     const RollingShutterCheck check = check_rolling_shutter(scene, segment, rates, readout_s, options.check);
-    const double step_s = is_known ? 0.0 : check.readout_s - readout_s;
+    const double step_s = is_known ? 0.0 : check.readout_of_given_camera_s - readout_s;
     readout_s += step_s;
     if (round > 0 && std::abs(step_s) <= kStays * check.sigma_s) break;
   }

@@ -22,7 +22,7 @@ enum class Shutter {
 struct RollingShutterOptions {
   Shutter shutter = Shutter::Global;
   double readout_s = 0;  ///< With RollingKnown: from the first row to the last; negative where rows are read from the last on.
-  RollingShutterCheckOptions check;
+  RollingShutterCheckOptions check{};
 };
 
 /// Gives a segment that was adjusted without readout motions those that the options ask for, and adjusts it under them until

@@ -18,9 +18,11 @@ struct RollingShutterCheckOptions {
 
 /// What the images say to the time between a camera's first row and its last.
 struct RollingShutterCheck {
-  bool is_known = false;     ///< Cameras move, and the adjustment leaves something to be seen.
-  double readout_s = 0;      ///< Best value; negative where rows are read from the last to the first.
-  double sigma_s = 0;        ///< Its standard deviation.
+  bool is_known = false;  ///< Cameras move, and the adjustment leaves something to be seen.
+  double readout_s = 0;   ///< Best value; negative where rows are read from the last to the first.
+  double sigma_s = 0;     ///< Its standard deviation.
+  /// Best value where the camera's numbers are taken as exact, as the map takes them: what an adjustment is best made under.
+  double readout_of_given_camera_s = 0;
   double px_per_s = 0;       ///< How far the median sighting moves over the image in a second, pixels of the images.
   bool is_certain = false;   ///< The best value is beyond doubt not zero.
   bool is_relevant = false;  ///< It is, and moves sightings by more than `min_shift_px`.
