@@ -32,7 +32,7 @@ TEST(CameraRates, AreThoseOfAVideo) {
 TEST(CameraRates, TakeTheSpeedFromSeveralStepsWhereStampsAreCoarse) {
   StampedCameras photos;
   constexpr double kSpeed = 5;
-  for (int i = 0; i < 20; ++i) photos.add(std::floor(2.4 * i), {{}, {2.4 * kSpeed * i, 0, 0}});
+  for (int i = 0; i < 20; ++i) photos.add(std::floor(2.4 * i), {Eigen::Quaterniond::Identity(), {2.4 * kSpeed * i, 0, 0}});
   for (std::size_t i = 3; i + 3 < photos.times_ns.size(); ++i) {
     EXPECT_NEAR(photos.rates()[i].velocity_in_world_per_s.x(), kSpeed, 0.08 * kSpeed);  // 1 s in six steps
   }
@@ -50,8 +50,8 @@ TEST(CameraRates, DoNotTakeTheAttitudesOfPhotosForTurning) {
 
 TEST(CameraRates, TakeNothingAcrossAPauseOrWithoutAPose) {
   StampedCameras flight;
-  for (int i = 0; i < 6; ++i) flight.add(2.0 * i, {{}, {10.0 * i, 0, 0}});
-  for (int i = 0; i < 6; ++i) flight.add(600 + 2.0 * i, {{}, {0, 8.0 * i, 0}});
+  for (int i = 0; i < 6; ++i) flight.add(2.0 * i, {Eigen::Quaterniond::Identity(), {10.0 * i, 0, 0}});
+  for (int i = 0; i < 6; ++i) flight.add(600 + 2.0 * i, {Eigen::Quaterniond::Identity(), {0, 8.0 * i, 0}});
   flight.world_from_cameras[2].reset();
   const std::vector<CameraRate> rates = flight.rates();
   for (std::size_t i = 0; i < 12; ++i) {
