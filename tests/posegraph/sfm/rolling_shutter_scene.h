@@ -9,7 +9,7 @@
 
 namespace fabloop::test {
 
-/// A synthetic scene as a rolling shutter sees it. Strips are flown to and fro without turning the cameras.
+/// A synthetic scene as a rolling shutter sees it. Strips are flown to and fro with cameras that turn as asked along each.
 struct RollingShutterScene {
   static constexpr double kStepS = 2;
   static constexpr double kPauseS = 60;  ///< Between strips.
@@ -21,7 +21,8 @@ struct RollingShutterScene {
 };
 
 /// Sightings move to where a camera that is on its way sees the points.
-inline RollingShutterScene make_rolling_shutter_scene(double readout_s, SyntheticSceneOptions options = {}) {
+inline RollingShutterScene make_rolling_shutter_scene(double readout_s, SyntheticSceneOptions options = {},
+                                                      const Eigen::Vector3d& turn_per_s = Eigen::Vector3d::Zero()) {
   constexpr int kRounds = 20;  // the row decides when, and when decides the row: contracts by the shift over the height
   options.height_change = 0;
   std::mt19937_64 random(options.seed + 1);
@@ -34,6 +35,8 @@ inline RollingShutterScene make_rolling_shutter_scene(double readout_s, Syntheti
   for (std::size_t strip = 0; strip < options.num_strips; ++strip) {
     for (std::size_t i = 0; i < options.views_per_strip; ++i) {
       result.times_ns.push_back(static_cast<std::int64_t>(1e9 * time_s));
+      Eigen::Quaterniond& rotation = result.scene.world_from_cameras[result.velocities_in_world.size()].rotation;
+      rotation = rotation * rotation_from_vector(result.kStepS * static_cast<double>(i) * turn_per_s);
       result.velocities_in_world.emplace_back(strip % 2 == 0 ? result.kSpeed : -result.kSpeed, 0, 0);
       time_s += result.kStepS;
     }
@@ -42,7 +45,7 @@ inline RollingShutterScene make_rolling_shutter_scene(double readout_s, Syntheti
   SyntheticScene& scene = result.scene;
   for (std::size_t t = 0; t < scene.tracks.tracks.size(); ++t) {
     for (const TrackFeature& member : scene.tracks.tracks[t]) {
-      const ReadoutMotion motion{Eigen::Vector3d::Zero(), readout_s * result.velocities_in_world[member.view]};
+      const ReadoutMotion motion{readout_s * turn_per_s, readout_s * result.velocities_in_world[member.view]};
       cv::Point2f& at = scene.views[member.view].features.keypoints[member.feature].pt;
       Eigen::Vector2d pixel(at.x, at.y);
       for (int round = 0; round < kRounds; ++round) {

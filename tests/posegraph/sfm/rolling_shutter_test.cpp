@@ -88,6 +88,19 @@ TEST(RollingShutter, MakesTheMapExactWhenKnown) {
   EXPECT_LT(reprojection_statistics(scene, segment).mean_px, kFloatPx);
 }
 
+TEST(RollingShutter, FollowsCamerasThatTurnSteadily) {
+  // Roll, pitch and yaw move the rows' ends by up to 2 px.
+  const RollingShutterScene world =
+      make_rolling_shutter_scene(kReadoutS, {.num_points = 400, .tilt_deg = 0}, {0.03, -0.02, 0.05});
+  const Scene scene = world.scene.scene();
+  Segment segment = plain_segment(world);
+  const double plain_px = reprojection_statistics(scene, segment).mean_px;
+  const auto readout_s = model_rolling_shutter(scene, segment, world.times_ns, kGates, {.shutter = Shutter::RollingEstimated});
+  ASSERT_TRUE(readout_s);
+  EXPECT_NEAR(*readout_s, kReadoutS, 0.02 * kReadoutS);
+  EXPECT_LT(reprojection_statistics(scene, segment).mean_px, 0.1 * plain_px);
+}
+
 TEST(RollingShutter, LeavesAGlobalShutterAloneAndSaysSo) {
   const RollingShutterScene world = make_rolling_shutter_scene(0.0, {.num_points = 300, .noise_px = 0.3, .seed = 7});
   Segment segment = plain_segment(world);
