@@ -20,7 +20,7 @@ namespace fabloop {
 namespace {
 
 constexpr int kViewSize = bundle::kViewSize;
-constexpr int kNumUnknowns = ReadoutVector::RowsAtCompileTime;
+constexpr int kNumUnknowns = ReadoutVector::RowsAtCompileTime, kNumOfCalibration = kNumUnknowns - 1;
 using ViewBlock = Eigen::Matrix<double, kViewSize, kViewSize>;
 using ViewByUnknowns = Eigen::Matrix<double, kViewSize, kNumUnknowns>;
 using PointByUnknowns = Eigen::Matrix<double, 3, kNumUnknowns>;
@@ -35,6 +35,14 @@ struct LinearSighting {
   Eigen::Matrix<double, 2, kNumUnknowns> by_unknowns = Eigen::Matrix<double, 2, kNumUnknowns>::Zero();
   double px_per_s = 0;
 };
+
+/// How a pinhole's sighting of (x, y, 1) moves when the calibration is off, in the order of the unknowns.
+Eigen::Matrix<double, 2, kNumOfCalibration> by_calibration(double x, double y, double r2) {
+  Eigen::Matrix<double, 2, kNumOfCalibration> result;
+  result << 0, y, x, 1, 0, x * r2, 2 * x * y, r2 + 2 * x * x,  //
+      y, 0, y, 0, 1, y * r2, r2 + 2 * y * y, 2 * x * y;
+  return result;
+}
 
 /// Poses and points eliminated exactly.
 class Elimination {
@@ -80,8 +88,11 @@ class Elimination {
     rate << rates_[member.view].turn_per_s, rates_[member.view].velocity_in_world_per_s;
     const Eigen::Vector2d per_readout = by_view * rate;
     result.px_per_s = view.features.pixel_size * per_readout.norm();
-    const double row_px = view.camera.fy / view.features.pixel_size * ray.y() / ray.z();  // from the middle
-    result.by_unknowns << share * per_readout, row_px * Eigen::Vector2d::UnitY(), row_px * Eigen::Vector2d::UnitX();
+    const double x = ray.x() / ray.z();
+    const double y = ray.y() / ray.z();
+    const double r2 = x * x + y * y;
+    result.by_unknowns << share * per_readout, by_calibration(x, y, r2);
+    result.by_unknowns.rightCols<kNumOfCalibration>() *= view.camera.focal_px() / view.features.pixel_size;
     const double root_weight = std::sqrt(robust_weight(RobustLoss::Cauchy, result.error.squaredNorm(), loss_px_ * loss_px_));
     result.error *= root_weight;
     result.by_view = root_weight * by_view;

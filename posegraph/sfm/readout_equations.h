@@ -10,9 +10,10 @@
 /// What sightings say to a readout time beside everything else that an adjustment leaves free (private).
 namespace fabloop {
 
-/// The unknowns: readout time (s), relative error of fy over fx, skew (radians).
-using ReadoutVector = Eigen::Vector3d;
-using ReadoutMatrix = Eigen::Matrix3d;
+/// The unknowns: first the readout time (s), then what a calibration may have wrong, each beside the focal length: the ratio of
+/// the axes, the skew, the focal length itself, the principal point (x, y), k1, and decentring (p1, p2).
+using ReadoutVector = Eigen::Matrix<double, 9, 1>;
+using ReadoutMatrix = Eigen::Matrix<double, 9, 9>;
 
 /// A least-squares problem in the unknowns alone, poses and points eliminated, as the sum of what each image says: its
 /// information and its score (the gradient of half the squared errors) at the point where the segment was adjusted.

@@ -52,7 +52,7 @@ std::string rolling_shutter_verdict(const RollingShutterCheck& check, std::optio
   } else if (options.shutter == Shutter::RollingEstimated && !modelled_readout_s) {
     text << "the shutter is taken for global: ";
     if (!check.is_known) {
-      text << "cameras that stand still tell nothing of it";
+      text << "the images do not tell it from what the calibration may have wrong";
     } else {
       text << "the images leave it open whether it is rolling, ";
       figures(check.readout_s);

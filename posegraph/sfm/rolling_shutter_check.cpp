@@ -31,13 +31,25 @@ ReadoutEstimate solve(const ReadoutEquations& equations, const Eigen::LDLT<Reado
   return result;
 }
 
-/// Takes in that affine errors are small: measured as zero with their sigma.
-void know_affine_error(ReadoutEstimate& estimate, double affine_sigma) {
-  const Eigen::Matrix2d measured =
-      estimate.covariance.bottomRightCorner<2, 2>() + affine_sigma * affine_sigma * Eigen::Matrix2d::Identity();
-  const Eigen::Matrix<double, 3, 2> gain = estimate.covariance.rightCols<2>() * measured.inverse();
-  estimate.step -= gain * Eigen::Vector2d(estimate.step.tail<2>());
-  estimate.covariance -= ReadoutMatrix(gain * estimate.covariance.bottomRows<2>());
+/// Takes in how well a calibration is known: what it may have wrong, measured as zero.
+void know_calibration(ReadoutEstimate& estimate, const RollingShutterCheckOptions& options) {
+  constexpr int kNum = ReadoutVector::RowsAtCompileTime - 1;
+  Eigen::Matrix<double, kNum, 1> sigma;
+  sigma << options.affine_sigma, options.affine_sigma, options.focal_sigma, options.principal_point_sigma,
+      options.principal_point_sigma, options.radial_sigma, options.decentring_sigma, options.decentring_sigma;
+  Eigen::Matrix<double, kNum, kNum> measured = estimate.covariance.bottomRightCorner<kNum, kNum>();
+  measured.diagonal() += sigma.cwiseAbs2();
+  const Eigen::Matrix<double, kNum + 1, kNum> gain = measured.ldlt().solve(estimate.covariance.bottomRows<kNum>()).transpose();
+  estimate.step -= gain * Eigen::Matrix<double, kNum, 1>(estimate.step.tail<kNum>());
+  estimate.covariance -= ReadoutMatrix(gain * estimate.covariance.bottomRows<kNum>());
+}
+
+/// Whether the unknowns can be told apart, to what rounding leaves of it.
+bool is_determined(const ReadoutMatrix& information) {
+  constexpr double kLeast = 1e-9;
+  const ReadoutVector unit = information.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::LDLT<ReadoutMatrix> scaled(ReadoutMatrix(unit.asDiagonal() * information * unit.asDiagonal()));
+  return scaled.vectorD().minCoeff() > kLeast;
 }
 
 }  // namespace
@@ -53,10 +65,9 @@ RollingShutterCheck check_rolling_shutter(const Scene& scene, const Segment& seg
     information += equations.information[view];
     score += equations.score[view];
   }
-  const Eigen::LDLT<ReadoutMatrix> total(information);
-  if (!(check.px_per_s > 0) || !(total.vectorD().minCoeff() > 0)) return check;
-  ReadoutEstimate estimate = solve(equations, total, score);
-  know_affine_error(estimate, options.affine_sigma);
+  if (!(check.px_per_s > 0) || !is_determined(information)) return check;
+  ReadoutEstimate estimate = solve(equations, Eigen::LDLT<ReadoutMatrix>(information), score);
+  know_calibration(estimate, options);
   check.readout_s = readout_s + estimate.step[0];
   check.sigma_s = std::sqrt(estimate.covariance(0, 0));
   check.readout_of_given_camera_s = readout_s - score[0] / information(0, 0);
