@@ -46,6 +46,12 @@ void add_reconstruction_options(CLI::App* command, MapArguments& arguments) {
       ->add_option("--refine", arguments.refine, "without odometry: what of the camera to refine where the images determine it")
       ->check(CLI::IsMember({"nothing", "focal", "focal-radial"}))
       ->capture_default_str();
+  command
+      ->add_option("--rolling-shutter", arguments.rolling_shutter,
+                   "without odometry: seconds from the first row of an image to the last, by its time stamps; estimate: as the "
+                   "images tell; none: all rows at once")
+      ->check(CLI::IsMember({"none", "estimate"}) | CLI::Number)
+      ->capture_default_str();
 }
 
 void add_method_options(CLI::App* command, MapArguments& arguments) {

@@ -23,7 +23,7 @@ struct MapArguments {
   bool strict = false;
   bool overwrite = false;
   bool from_images = false;
-  std::string gps, gps_use = "witness", refine = "nothing";
+  std::string gps, gps_use = "witness", refine = "nothing", rolling_shutter = "none";
   double gps_sigma_m = GeoreferenceOptions{}.sigma_m;
   std::size_t gps_neighbours = 0;
   bool no_report = false;

@@ -76,6 +76,12 @@ void take_positions(const MapArguments& arguments, const Sequence& sequence, Rec
                                                         : PositionUse::Witness;
 }
 
+RollingShutterOptions rolling_shutter_of(const MapArguments& arguments) {
+  if (arguments.rolling_shutter == "none") return {};
+  if (arguments.rolling_shutter == "estimate") return {.shutter = Shutter::RollingEstimated};
+  return {.shutter = Shutter::RollingKnown, .readout_s = std::stod(arguments.rolling_shutter)};
+}
+
 /// The page about the run, judged where the sequence has a truth.
 void write_report_of(const MapArguments& arguments, const Sequence& sequence, const CommonOptions& common) {
   namespace fs = std::filesystem;
@@ -118,6 +124,7 @@ std::filesystem::path run_reconstruct(const MapArguments& arguments, const Commo
   options.refine = arguments.refine == "focal"          ? RefineCamera::Focal
                    : arguments.refine == "focal-radial" ? RefineCamera::FocalRadial
                                                         : RefineCamera::Nothing;
+  options.rolling_shutter = rolling_shutter_of(arguments);
   take_positions(arguments, sequence, options);
   options.if_damaged = arguments.strict ? IfDamaged::Refuse : IfDamaged::Skip;
   options.num_threads = common.num_threads;

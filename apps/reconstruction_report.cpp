@@ -43,6 +43,12 @@ void print_reconstruction_report(std::ostream& out, const Sequence& sequence, co
     out << "  the images contradict the camera's focal length: they agree best with " << result.camera_check.best_focal_factor
         << " of it, and the map is bent accordingly\n";
   }
+  if (const RollingShutterCheck& shutter = result.rolling_shutter_check; shutter.is_known) {
+    out << "  shutter: the images tell " << shutter.shift_px() << " px from the first row to the last, sigma "
+        << shutter.shift_sigma_px() << " px";
+    if (result.modelled_readout_s) out << "; the map has a rolling shutter of " << *result.modelled_readout_s << " s";
+    out << '\n';
+  }
   if (const auto& found = result.georeference.found) {
     out << "  known positions: " << found->num_inliers << " of " << found->num_positions << " agree with the map, rms "
         << found->rms_m << " m\n";

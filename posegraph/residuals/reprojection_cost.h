@@ -10,6 +10,7 @@
 
 #include "frontend/geometry/camera.h"
 #include "frontend/geometry/pose.h"
+#include "posegraph/sfm/readout_motion.h"
 
 /// Errors of bundle adjustment. A view is one block of six numbers: the rotation vector w by which it turns from where it
 /// started, world_from_camera = start * exp(w), and the camera's centre in the world. From a start that is not far off, w needs
@@ -65,11 +66,21 @@ class PinholeError final : public ceres::SizedCostFunction<2, kViewSize, 3> {
   PinholeError(TurnedView& view, double focal_x, double focal_y, const Eigen::Vector2d& normalised)
       : view_(&view), focal_x_(focal_x), focal_y_(focal_y), normalised_(normalised) {}
 
+  /// Of a ray without the lens's distortion (camera frame), in units of `pixel_size` of the camera's pixels, seen at `share` of a
+  /// rolling shutter's readout. What the camera has moved and turned by then are constants of the sighting, so that the blocks
+  /// and the derivatives stay those of a global shutter.
+  PinholeError(TurnedView& view, const Camera& camera, double pixel_size, const Eigen::Vector3d& ray,
+               const ReadoutMotion& readout, double share)
+      : PinholeError(view, camera.fx / pixel_size, camera.fy / pixel_size,
+                     (rotation_from_vector(share * readout.turn) * ray).hnormalized()) {
+    shift_in_world_ = share * readout.shift_in_world;
+  }
+
   bool Evaluate(const double* const* blocks, double* error, double** by_block) const override {
     view_->turn_to(blocks[0]);
     const Eigen::Matrix3d& camera_from_world = view_->camera_from_world();
     const Eigen::Map<const Eigen::Vector3d> centre(blocks[0] + 3), x_in_world(blocks[1]);
-    const Eigen::Vector3d x = camera_from_world * (x_in_world - centre);
+    const Eigen::Vector3d x = camera_from_world * (x_in_world - centre - shift_in_world_);
     constexpr double kLeastDepth = 1e-9;
     if (!(x.z() > kLeastDepth)) return false;
     const double inverse_z = 1.0 / x.z();
@@ -98,6 +109,7 @@ class PinholeError final : public ceres::SizedCostFunction<2, kViewSize, 3> {
   TurnedView* view_;
   double focal_x_, focal_y_;
   Eigen::Vector2d normalised_;
+  Eigen::Vector3d shift_in_world_ = Eigen::Vector3d::Zero();
 };
 
 /// Error in pixels under a Radtan lens whose focal length (as a factor), k1 and k2 are the block `lens`; the other numbers stay.
@@ -107,16 +119,20 @@ struct LensError {
   Eigen::Quaterniond start;  ///< Of the view.
   Eigen::Vector2d pixel;
   double pixel_size = 1.0;  ///< The errors' unit, in the image's pixels.
+  ReadoutMotion readout{};  ///< Of a rolling shutter.
+  double share = 0;         ///< Of the readout when the pixel's row is read.
 
   double k(std::size_t i) const { return i < camera.distortion.size() ? camera.distortion[i] : 0.0; }
 
   template <typename T>
   bool operator()(const T* view, const T* x_in_world, const T* lens, T* error) const {
     const Eigen::Map<const Eigen::Matrix<T, 3, 1>> centre(view + 3), x_world(x_in_world);
-    const Eigen::Matrix<T, 3, 1> from_start = start.conjugate().cast<T>() * Eigen::Matrix<T, 3, 1>(x_world - centre);
+    const Eigen::Matrix<T, 3, 1> from_centre = x_world - centre - Eigen::Vector3d(share * readout.shift_in_world).cast<T>();
+    const Eigen::Matrix<T, 3, 1> from_start = start.conjugate().cast<T>() * from_centre;
     const T turned_back[3] = {-view[0], -view[1], -view[2]};
-    Eigen::Matrix<T, 3, 1> p;
-    ceres::AngleAxisRotatePoint(turned_back, from_start.data(), p.data());
+    Eigen::Matrix<T, 3, 1> from_middle_row;
+    ceres::AngleAxisRotatePoint(turned_back, from_start.data(), from_middle_row.data());
+    const Eigen::Matrix<T, 3, 1> p = rotation_from_vector(-share * readout.turn).cast<T>() * from_middle_row;
     if (!(p.z() > T(1e-9))) return false;
     const T x = p.x() / p.z();
     const T y = p.y() / p.z();
@@ -138,6 +154,21 @@ struct PositionError {
   template <typename T>
   bool operator()(const T* view, T* error) const {
     for (int i = 0; i < 3; ++i) error[i] = (view[3 + i] - position[i]) / sigma[i];
+    return true;
+  }
+};
+
+/// A camera's distance from a held one against what it was, as a share of it in standard deviations: holds the unit of length.
+/// For automatic derivatives. Block: view.
+struct DistanceError {
+  Eigen::Vector3d held_centre;
+  double distance;
+  double relative_sigma;
+
+  template <typename T>
+  bool operator()(const T* view, T* error) const {
+    const Eigen::Matrix<T, 3, 1> away = Eigen::Map<const Eigen::Matrix<T, 3, 1>>(view + 3) - held_centre.cast<T>();
+    error[0] = (away.norm() / distance - 1.0) / relative_sigma;
     return true;
   }
 };

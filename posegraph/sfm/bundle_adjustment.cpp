@@ -24,6 +24,7 @@ constexpr std::ptrdiff_t kMaxDenseViews = 120;
 
 using bundle::TurnedView;
 using LensCost = ceres::AutoDiffCostFunction<bundle::LensError, 2, bundle::kViewSize, 3, 3>;
+using DistanceCost = ceres::AutoDiffCostFunction<bundle::DistanceError, 1, bundle::kViewSize>;
 using PositionCost = ceres::AutoDiffCostFunction<bundle::PositionError, 3, bundle::kViewSize>;
 
 class Adjustment {
@@ -50,6 +51,7 @@ class Adjustment {
     add_sightings();
     add_positions();
     hold_what_is_fixed();
+    hold_unit();
     ceres::Solver::Summary summary;
     ceres::Solve(solver_options(), &problem_, &summary);
     AdjustedBundle result{
@@ -79,13 +81,14 @@ class Adjustment {
     for (std::size_t i = 0; i < rays.size(); ++i) {
       const BundleSighting& sighting = bundle_.sightings[i];
       TurnedView& turned = turned_[sighting.view];
+      const double share = readout_share(bundle_.camera, sighting.pixel.y());
+      const ReadoutMotion& readout = bundle_.views[sighting.view].readout;
       if (refines()) {
         lens_errors_.push_back(std::make_unique<LensCost>(
-            new bundle::LensError{bundle_.camera, turned.start(), sighting.pixel, bundle_.pixel_size}));
+            new bundle::LensError{bundle_.camera, turned.start(), sighting.pixel, bundle_.pixel_size, readout, share}));
         problem_.AddResidualBlock(lens_errors_.back().get(), &loss_, view(sighting.view), point(sighting.point), lens());
       } else {
-        pinhole_errors_.emplace_back(turned, bundle_.camera.fx / bundle_.pixel_size, bundle_.camera.fy / bundle_.pixel_size,
-                                     rays[i].head<2>() / rays[i].z());
+        pinhole_errors_.emplace_back(turned, bundle_.camera, bundle_.pixel_size, rays[i], readout, share);
         problem_.AddResidualBlock(&pinhole_errors_.back(), &loss_, view(sighting.view), point(sighting.point));
       }
     }
@@ -111,6 +114,26 @@ class Adjustment {
       hold_next = false;
     }
     if (options_.refine == RefineCamera::Focal && problem_.HasParameterBlock(lens())) problem_.SetManifold(lens(), &focal_only_);
+  }
+
+  /// Readout motions are lengths that do not follow the world's unit: where nothing else holds it, it would shrink or grow until
+  /// they fit better.
+  void hold_unit() {
+    constexpr double kRelativeSigma = 1e-6;
+    const auto& views = bundle_.views;
+    const auto centre = [&](std::size_t i) -> const Eigen::Vector3d& { return views[i].world_from_camera.translation; };
+    const bool none_moves =
+        std::all_of(views.begin(), views.end(), [](const auto& v) { return v.readout.shift_in_world.isZero(0); });
+    const bool is_held = std::any_of(views.begin(), views.end(), [](const auto& v) { return v.is_fixed; }) || has_positions_;
+    if (none_moves || is_held) return;
+    std::size_t farthest = 0;
+    for (std::size_t i = 1; i < views.size(); ++i) {
+      if ((centre(i) - centre(0)).norm() > (centre(farthest) - centre(0)).norm()) farthest = i;
+    }
+    const double distance = (centre(farthest) - centre(0)).norm();
+    if (!(distance > 0)) return;
+    distance_error_ = std::make_unique<DistanceCost>(new bundle::DistanceError{centre(0), distance, kRelativeSigma});
+    problem_.AddResidualBlock(distance_error_.get(), nullptr, view(farthest));
   }
 
   ceres::Solver::Options solver_options() {
@@ -172,6 +195,7 @@ class Adjustment {
   std::deque<bundle::PinholeError> pinhole_errors_;  ///< Cannot be moved.
   std::vector<std::unique_ptr<LensCost>> lens_errors_;
   std::vector<std::unique_ptr<PositionCost>> position_errors_;
+  std::unique_ptr<DistanceCost> distance_error_;
   bool has_positions_ = false;
   ceres::CauchyLoss position_loss_{2.0};
   ceres::SubsetManifold focal_only_{3, {1, 2}};

@@ -8,6 +8,7 @@
 
 #include "frontend/geometry/camera.h"
 #include "frontend/geometry/pose.h"
+#include "posegraph/sfm/readout_motion.h"
 
 namespace fabloop {
 
@@ -18,6 +19,7 @@ struct BundleView {
   /// Where the camera is by another instrument (GPS), in the world, and its standard deviation along each axis.
   std::optional<Eigen::Vector3d> known_position;
   Eigen::Vector3d position_sigma = Eigen::Vector3d::Ones();
+  ReadoutMotion readout{};  ///< Taken as known; zero for a global shutter.
 };
 
 /// Where a view sees a point.

@@ -61,7 +61,7 @@ class DuplicateSearch {
 
  private:
   const Track& track(std::uint32_t t) const { return tracks_.tracks[t]; }
-  const Pose& pose_of(const TrackFeature& member) const { return *segment_.world_from_cameras[member.view]; }
+  Pose pose_of(const TrackFeature& member) const { return pose_at_sighting({views_, tracks_}, segment_, member); }
   Eigen::Vector2d pixel(const TrackFeature& member) const { return pixel_of({views_, tracks_}, member); }
   double error_px(const TrackFeature& member, const Eigen::Vector3d& x_in_world) const {
     return sighting_error_px({views_, tracks_}, segment_, member, x_in_world);

@@ -70,6 +70,9 @@ void move_segment(Segment& segment, double scale, const Pose& new_from_old) {
   for (auto& pose : segment.world_from_cameras) {
     if (pose) pose = Pose{(new_from_old.rotation * pose->rotation).normalized(), moved(pose->translation)};
   }
+  for (ReadoutMotion& motion : segment.readout_motions) {
+    motion.shift_in_world = scale * (new_from_old.rotation * motion.shift_in_world);
+  }
   for (auto& point : segment.points) {
     if (point) point->x_in_world = moved(point->x_in_world);
   }

@@ -7,10 +7,11 @@
 
 #include "frontend/error.h"
 #include "posegraph/evaluation/trajectory_error.h"
-#include "posegraph/sfm/duplicate_points.h"
+#include "posegraph/sfm/camera_rates.h"
 #include "posegraph/sfm/kept_work.h"
 #include "posegraph/sfm/reconstruction_result.h"
 #include "posegraph/sfm/segment_adjustment.h"
+#include "posegraph/sfm/segment_finish.h"
 
 namespace fabloop {
 namespace {
@@ -65,18 +66,8 @@ std::vector<Segment> place(const Scene& scene, const std::vector<ViewPair>& pair
   return segments;
 }
 
-/// All points in the adjustment, points that are one made one, and the bound on their errors as it shall be in the result.
-/// Returns how many became part of another.
-std::size_t finish(const std::vector<View>& views, TrackSet& tracks, Segment& segment, const ReconstructOptions& options) {
-  const Scene scene{views, tracks};
-  TrackTriangulationOptions strict = options.growth.triangulation;
-  refresh_all_points(scene, segment, strict);
-  adjust_segment(scene, segment);
-  strict.max_error_px = options.max_error_px;
-  refresh_all_points(scene, segment, strict);
-  const std::size_t num_merged = merge_duplicate_points(views, tracks, segment, {.max_error_px = options.max_error_px});
-  adjust_segment(scene, segment);
-  return num_merged;
+SegmentFinishOptions finish_options(const ReconstructOptions& options) {
+  return {options.growth.triangulation, options.max_error_px};
 }
 
 /// The camera refined where the images determine it; the views' rays follow.
@@ -87,7 +78,7 @@ void refine_camera(std::vector<View>& views, TrackSet& tracks, Segment& segment,
   const Camera camera = adjust_segment({views, tracks}, segment, adjustment).camera;
   for (View& view : views) view = make_view(view.frame, camera, std::move(view.features));
   result.camera_was_refined = true;
-  result.num_merged_points += finish(views, tracks, segment, options);
+  result.num_merged_points += finish_segment(views, tracks, segment, finish_options(options));
 }
 
 void check_and_refine_camera(std::vector<View>& views, TrackSet& tracks, Segment& segment, Reconstructed& result,
@@ -138,9 +129,30 @@ LengthUnit take_positions(const Scene& scene, Segment& segment, Reconstructed& r
   return LengthUnit::Metres;
 }
 
+std::vector<std::int64_t> times_of(const Sequence& sequence, const std::vector<View>& views) {
+  std::vector<std::int64_t> times_ns;
+  for (const View& view : views) times_ns.push_back(sequence.frames[view.frame].time_ns);
+  return times_ns;
+}
+
+/// What the images say to the shutter, which is told; the segment under the shutter that the options ask for.
+void check_and_model_shutter(const Sequence& sequence, const std::vector<View>& views, TrackSet& tracks, Segment& segment,
+                             Reconstructed& result, const ReconstructOptions& options) {
+  const Scene scene{views, tracks};
+  const std::vector<std::int64_t> times_ns = times_of(sequence, views);
+  result.modelled_readout_s =
+      model_rolling_shutter(scene, segment, times_ns, options.growth.triangulation, options.rolling_shutter);
+  if (result.modelled_readout_s) result.num_merged_points += finish_segment(views, tracks, segment, finish_options(options));
+  result.rolling_shutter_check = check_rolling_shutter(scene, segment, camera_rates(segment.world_from_cameras, times_ns),
+                                                       result.modelled_readout_s.value_or(0.0), options.rolling_shutter.check);
+  const std::string verdict =
+      rolling_shutter_verdict(result.rolling_shutter_check, result.modelled_readout_s, options.rolling_shutter);
+  if (!verdict.empty() && options.warn) options.warn(verdict);
+}
+
 /// What the images give without loops: the same stages over the pairs of neighbours alone, in the world of the result.
 Trajectory odometry_of(const Sequence& sequence, const std::vector<View>& views, std::vector<ViewPair> pairs,
-                       const Reconstruction& result, const ReconstructOptions& options) {
+                       const Reconstruction& result, std::optional<double> readout_s, const ReconstructOptions& options) {
   std::erase_if(pairs, [&](const ViewPair& pair) {
     return views[pair.query].frame - views[pair.match].frame > options.candidates.num_neighbours;
   });
@@ -152,7 +164,12 @@ Trajectory odometry_of(const Sequence& sequence, const std::vector<View>& views,
   std::vector<Segment> segments = place(scene, pairs, std::move(unwatched), none);
   Trajectory odometry;
   if (segments.empty()) return odometry;
-  finish(views, tracks, segments.front(), options);
+  finish_segment(views, tracks, segments.front(), finish_options(options));
+  if (readout_s) {
+    const RollingShutterOptions known{Shutter::RollingKnown, *readout_s, options.rolling_shutter.check};
+    model_rolling_shutter(scene, segments.front(), times_of(sequence, views), options.growth.triangulation, known);
+    finish_segment(views, tracks, segments.front(), finish_options(options));
+  }
   for (std::size_t view = 0; view < views.size(); ++view) {
     const auto& pose = segments.front().world_from_cameras[view];
     if (pose) odometry.push_back({sequence.frames[views[view].frame].time_ns, *pose});
@@ -220,8 +237,11 @@ Reconstructed run_stages(const Sequence& sequence, const std::optional<Model>& m
     if (options.watch) options.watch({stage, scene.views, pairs, segments.front(), unit});
   };
   begin("adjust");
-  result.num_merged_points = finish(views.views, tracks, segments.front(), options);
+  result.num_merged_points = finish_segment(views.views, tracks, segments.front(), finish_options(options));
   stages.end("adjust");
+  begin("shutter");
+  check_and_model_shutter(sequence, views.views, tracks, segments.front(), result, options);
+  stages.end("shutter");
   begin("camera");
   check_and_refine_camera(views.views, tracks, segments.front(), result, options);
   stages.end("camera");
@@ -239,7 +259,7 @@ Reconstructed run_stages(const Sequence& sequence, const std::optional<Model>& m
   tell_what_is_left(views, scene, pairs, segments, options.growth, result);
   if (options.also_without_loops) {
     begin("without loops");
-    result.odometry = odometry_of(sequence, views.views, pairs, result.reconstruction, options);
+    result.odometry = odometry_of(sequence, views.views, pairs, result.reconstruction, result.modelled_readout_s, options);
     stages.end("without loops");
   }
   return result;

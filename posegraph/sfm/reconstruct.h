@@ -24,6 +24,7 @@
 #include "posegraph/sfm/gps.h"
 #include "posegraph/sfm/growth.h"
 #include "posegraph/sfm/reconstruction.h"
+#include "posegraph/sfm/rolling_shutter.h"
 #include "posegraph/sfm/segments.h"
 #include "posegraph/sfm/view_graph.h"
 
@@ -54,6 +55,7 @@ struct ReconstructOptions {
   /// A calibration is kept unless asked otherwise; what is asked is done only where the images determine the focal length.
   RefineCamera refine = RefineCamera::Nothing;
   CameraCheckOptions camera_check;
+  RollingShutterOptions rolling_shutter;  ///< Of the finished map; segments grow as under a global shutter.
   /// Positions of the frames (one a frame, where known): GPS in an east-north-up frame, or an odometry's. Empty: none.
   std::vector<std::optional<Eigen::Vector3d>> known_positions{};
   std::optional<GeoPosition> origin{};  ///< Of the positions, where they are on Earth.
@@ -107,7 +109,9 @@ struct Reconstructed {
   std::size_t num_sightings = 0;
   CameraCheck camera_check;
   bool camera_was_refined = false;
-  GeoreferenceResult georeference;  ///< Before positions were let into the adjustment.
+  RollingShutterCheck rolling_shutter_check;  ///< Beside what the map was made with.
+  std::optional<double> modelled_readout_s;   ///< Of the rolling shutter that the map was made with.
+  GeoreferenceResult georeference;            ///< Before positions were let into the adjustment.
   /// The largest part that pairs of neighbours alone give, laid onto the result by a similarity; empty unless it was asked for.
   Trajectory odometry;
   std::vector<StageTime> times;

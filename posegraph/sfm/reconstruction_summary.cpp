@@ -49,6 +49,19 @@ Json camera_json(const Reconstructed& result) {
           {"focal_is_contradicted", check.is_contradicted}};
 }
 
+Json shutter_json(const Reconstructed& result) {
+  const RollingShutterCheck& check = result.rolling_shutter_check;
+  Json json = {{"modelled_readout_s", nullptr}, {"readout_s", nullptr}};
+  if (result.modelled_readout_s) json["modelled_readout_s"] = *result.modelled_readout_s;
+  if (!check.is_known) return json;
+  json["readout_s"] = check.readout_s;
+  json["readout_sigma_s"] = check.sigma_s;
+  json["shift_px"] = check.shift_px();
+  json["shift_sigma_px"] = check.shift_sigma_px();
+  json["is_certain"] = check.is_certain;
+  return json;
+}
+
 Json georeference_json(const Reconstructed& result, const ReconstructOptions& options) {
   if (!result.georeference.found) return {{"found", false}, {"why_not", result.georeference.why_not}};
   const Georeference& found = *result.georeference.found;
@@ -125,6 +138,7 @@ void write_reconstruction_summary(const std::filesystem::path& path, const Seque
   summary["mean_reprojection_error_px"] = result.mean_error_px;
   summary["feature_pixel_size"] = result.feature_pixel_size;
   summary["camera"] = camera_json(result);
+  summary["rolling_shutter"] = shutter_json(result);
   summary["georeference"] = georeference_json(result, options);
   summary["ate"] = error_json(sequence, map);
   summary["parameters"] = parameters_json(options);

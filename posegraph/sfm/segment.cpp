@@ -29,10 +29,17 @@ Eigen::Vector2d pixel_of(const Scene& scene, const TrackFeature& member) {
   return {at.x, at.y};
 }
 
+Pose pose_at_sighting(const Scene& scene, const Segment& segment, const TrackFeature& member) {
+  const Pose& world_from_camera = *segment.world_from_cameras[member.view];
+  if (segment.readout_motions.empty()) return world_from_camera;
+  const double share = readout_share(scene.views[member.view].camera, pixel_of(scene, member).y());
+  return pose_at_row(world_from_camera, segment.readout_motions[member.view], share);
+}
+
 double sighting_error_px(const Scene& scene, const Segment& segment, const TrackFeature& member,
                          const Eigen::Vector3d& x_in_world) {
   const View& view = scene.views[member.view];
-  return reprojection_error_px(view.camera, *segment.world_from_cameras[member.view], x_in_world, pixel_of(scene, member)) /
+  return reprojection_error_px(view.camera, pose_at_sighting(scene, segment, member), x_in_world, pixel_of(scene, member)) /
          view.features.pixel_size;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "frontend/geometry/pose.h"
+#include "posegraph/sfm/readout_motion.h"
 #include "posegraph/sfm/tracks.h"
 #include "verification/view.h"
 
@@ -30,6 +31,8 @@ struct SegmentPoint {
 struct Segment {
   std::vector<std::optional<Pose>> world_from_cameras;  ///< One a view of the scene.
   std::vector<std::optional<SegmentPoint>> points;      ///< One a track of the scene.
+  /// One a view of the scene, where a rolling shutter is modelled; empty: all rows of an image are seen from one pose.
+  std::vector<ReadoutMotion> readout_motions{};
 };
 
 /// A segment without views.
@@ -40,6 +43,9 @@ std::size_t num_points(const Segment& segment);
 
 /// Where the feature of a view was detected.
 Eigen::Vector2d pixel_of(const Scene& scene, const TrackFeature& member);
+
+/// Where a placed view was when it saw a feature: its pose, moved on to the feature's row where a rolling shutter is modelled.
+Pose pose_at_sighting(const Scene& scene, const Segment& segment, const TrackFeature& member);
 
 /// Distance between where a placed view sees a point and where it should, in pixels of the image in which the view's features
 /// were found; infinite behind the camera.

@@ -31,6 +31,7 @@ SegmentBundle bundle_of(const Scene& scene, const Segment& segment, const std::v
         bundle_view[member.view] = result.views.size();
         result.views.push_back(member.view);
         result.bundle.views.push_back({*segment.world_from_cameras[member.view], is_free[member.view] == 0, {}});
+        if (!segment.readout_motions.empty()) result.bundle.views.back().readout = segment.readout_motions[member.view];
       }
       result.bundle.sightings.push_back({bundle_view[member.view], result.tracks.size(), pixel_of(scene, member)});
     }

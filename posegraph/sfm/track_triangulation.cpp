@@ -20,11 +20,11 @@ struct PlacedRays {
 PlacedRays placed_rays(const Scene& scene, const Segment& segment, const Track& track) {
   PlacedRays placed;
   for (std::uint32_t i = 0; i < track.size(); ++i) {
-    const auto& world_from_camera = segment.world_from_cameras[track[i].view];
-    if (!world_from_camera) continue;
+    if (!segment.world_from_cameras[track[i].view]) continue;
+    const Pose world_from_camera = pose_at_sighting(scene, segment, track[i]);
     placed.positions.push_back(i);
-    placed.centres.push_back(world_from_camera->translation);
-    placed.rays.push_back(world_from_camera->rotation * scene.views[track[i].view].rays[track[i].feature]);
+    placed.centres.push_back(world_from_camera.translation);
+    placed.rays.push_back(world_from_camera.rotation * scene.views[track[i].view].rays[track[i].feature]);
   }
   return placed;
 }

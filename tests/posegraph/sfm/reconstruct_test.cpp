@@ -145,6 +145,8 @@ TEST(ReconstructionFolder, HasThePublicFiles) {
   EXPECT_EQ(summary["frames"]["mapped"], sequence.frames.size());
   EXPECT_EQ(summary["mean_reprojection_error_px"], tiny_reconstruction().mean_error_px);
   EXPECT_LT(summary["ate"]["final"]["rmse_m"], 0.5);
+  EXPECT_TRUE(summary["rolling_shutter"]["modelled_readout_s"].is_null());
+  EXPECT_EQ(summary["rolling_shutter"]["is_certain"], false);  // simulated cameras see all rows at once
   const Reconstruction read = read_map_run(run, sequence.frames.front().image_path.parent_path()).reconstruction;
   EXPECT_EQ(read.unit, LengthUnit::Arbitrary);
   ASSERT_EQ(read.images.size(), tiny_reconstruction().reconstruction.images.size());
