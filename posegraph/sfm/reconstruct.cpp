@@ -276,6 +276,7 @@ FeatureOptions reconstruction_features() {
 Reconstructed reconstruct(const Sequence& sequence, const std::optional<Model>& model, const ReconstructOptions& given) {
   const ReconstructOptions options = with_common(given);
   if (options.refine != RefineCamera::Nothing) require_refinable(sequence.camera);
+  require_readout(options.rolling_shutter);
   WorkState state = open_state(sequence, model, options);
   try {
     return run_stages(sequence, model, options, state);

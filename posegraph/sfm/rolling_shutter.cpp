@@ -4,11 +4,20 @@
 #include <cmath>
 #include <iomanip>
 #include <sstream>
+#include <string>
 
+#include "frontend/error.h"
 #include "posegraph/sfm/camera_rates.h"
 #include "posegraph/sfm/segment_adjustment.h"
 
 namespace fabloop {
+
+void require_readout(const RollingShutterOptions& options) {
+  constexpr double kLongest_s = 1.0;
+  if (options.shutter == Shutter::RollingKnown && !(std::abs(options.readout_s) <= kLongest_s)) {
+    throw InputError("a readout time of " + std::to_string(options.readout_s) + " s: give seconds between -1 and 1, as 0.03");
+  }
+}
 
 std::optional<double> model_rolling_shutter(const Scene& scene, Segment& segment, const std::vector<std::int64_t>& times_ns,
                                             const TrackTriangulationOptions& triangulation,

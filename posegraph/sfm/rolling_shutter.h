@@ -25,6 +25,9 @@ struct RollingShutterOptions {
   RollingShutterCheckOptions check{};
 };
 
+/// Throws InputError for a readout time that is no number or longer than a second, in which no camera reads an image.
+void require_readout(const RollingShutterOptions& options);
+
 /// Gives a segment that was adjusted without readout motions those that the options ask for, and adjusts it under them until
 /// they stay: motions follow poses, an estimated readout follows the sightings, and sightings that the plain model had excluded
 /// come back. Time stamps are one a view of the scene. Returns the readout time that the segment has now; none where it is taken

@@ -3,8 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <string>
+
 #include "posegraph/sfm/camera_rates.h"
 #include "posegraph/sfm/segment_adjustment.h"
+#include "tests/frontend/sequence/temporary_folder.h"
 #include "tests/posegraph/sfm/rolling_shutter_scene.h"
 
 namespace fabloop {
@@ -119,6 +123,15 @@ TEST(RollingShutter, NamesTheRemedyAndContradictsAWrongReadout) {
   const auto known = [](double readout_s) { return RollingShutterOptions{Shutter::RollingKnown, readout_s, {}}; };
   EXPECT_EQ(rolling_shutter_verdict(seen, 0.031, known(0.031)), "");
   EXPECT_NE(rolling_shutter_verdict(seen, 0.06, known(0.06)).find("contradict"), std::string::npos);
+}
+
+TEST(RollingShutter, RefusesAReadoutThatIsNoTime) {
+  const auto refusal = [](double readout_s) {
+    return input_error_of([&] { require_readout({Shutter::RollingKnown, readout_s, {}}); });
+  };
+  EXPECT_NE(refusal(std::numeric_limits<double>::quiet_NaN()).find("readout time"), std::string::npos);
+  EXPECT_NE(refusal(30).find("30"), std::string::npos) << "milliseconds";
+  EXPECT_NO_THROW(require_readout({Shutter::RollingKnown, -0.03, {}}));
 }
 
 }  // namespace
