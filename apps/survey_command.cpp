@@ -72,6 +72,7 @@ void run_survey(const SurveyArguments& arguments, const CommonOptions& common) {
   options.num_threads = common.num_threads;
   options.warn = make_warn(common);
   options.progress = make_progress(common);
+  if (!arguments.pairs_csv.empty()) require_distinct_names(sequences);
   if (!arguments.only_csv.empty()) options.only = read_asked_pairs(arguments.only_csv, sequences);
   const std::vector<SurveyedPair> pairs = survey_pairs(sequences, options);
   if (!arguments.pairs_csv.empty()) write_surveyed_pairs(arguments.pairs_csv, pairs, sequences, truths, evaluations);

@@ -124,17 +124,21 @@ LoopRecord record_of(const SurveyedPair& pair) {
           verification.match_from_query};
 }
 
-OverlapRecall recall(double min_overlap, double max_overlap, const LoopTruth& truth, const LoopEvaluation& evaluation) {
+/// Of the surveyed pairs.
+OverlapRecall recall(double min_overlap, double max_overlap, const std::vector<LoopRecord>& records, const LoopTruth& truth,
+                     const LoopEvaluation& evaluation) {
   std::set<std::pair<std::size_t, std::size_t>> right;
   for (const JudgedLoop& loop : evaluation.loops) {
     const bool wrong = loop.judgement == LoopJudgement::FalsePair || loop.judgement == LoopJudgement::FalsePose;
     if (!wrong) right.insert(std::minmax(loop.query, loop.match));
   }
   OverlapRecall result{min_overlap, max_overlap};
-  for (const auto& [frames, pair] : *truth.pairs) {
-    if (pair.overlap < min_overlap || pair.overlap >= max_overlap) continue;
+  for (const LoopRecord& record : records) {
+    const auto known = truth.pairs->find(std::minmax(record.query, record.match));
+    if (known == truth.pairs->end()) continue;
+    if (known->second.overlap < min_overlap || known->second.overlap >= max_overlap) continue;
     ++result.num_pairs;
-    result.num_found += right.count(frames);
+    result.num_found += right.count(known->first);
   }
   return result;
 }
@@ -196,8 +200,8 @@ std::vector<SurveySummary> summarise_survey(const std::vector<SurveyedPair>& pai
         summary.num_false = evaluation.num_false;
         summary.num_unjudged = evaluation.num_unjudged;
         if (truths[q].pairs) {
-          summary.wide = recall(kWideOverlap, std::numeric_limits<double>::infinity(), truths[q], evaluation);
-          summary.narrow = recall(kNarrowOverlap, kWideOverlap, truths[q], evaluation);
+          summary.wide = recall(kWideOverlap, std::numeric_limits<double>::infinity(), records, truths[q], evaluation);
+          summary.narrow = recall(kNarrowOverlap, kWideOverlap, records, truths[q], evaluation);
         }
       } else {
         for (const LoopRecord& record : records) summary.num_accepted += record.accepted();

@@ -57,7 +57,7 @@ std::vector<SurveyedPair> survey_pairs(const std::vector<Sequence>& sequences, c
 JudgedLoop judge_pair(const SurveyedPair& pair, const std::vector<LoopTruth>& truths,
                       const std::vector<LoopEvaluationOptions>& evaluations);
 
-/// How pairs with an overlap in [min_overlap, max_overlap) fare.
+/// How those of the surveyed pairs that have an overlap in [min_overlap, max_overlap) fare.
 struct OverlapRecall {
   double min_overlap = 0;
   double max_overlap = 0;

@@ -2,7 +2,7 @@
 #include "posegraph/evaluation/pair_survey_csv.h"
 
 #include <fstream>
-#include <optional>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -51,6 +51,16 @@ SurveyedFrame parse_frame(const std::string& sequence, const std::string& frame,
 
 }  // namespace
 
+void require_distinct_names(const std::vector<Sequence>& sequences) {
+  std::set<std::string> names;
+  for (const Sequence& sequence : sequences) {
+    if (!names.insert(sequence.name).second) {
+      throw InputError("two sequences are called \"" + sequence.name +
+                       "\", and a file of pairs tells them by their names: give one folder another name");
+    }
+  }
+}
+
 void write_surveyed_pairs(const std::filesystem::path& path, const std::vector<SurveyedPair>& pairs,
                           const std::vector<Sequence>& sequences, const std::vector<LoopTruth>& truths,
                           const std::vector<LoopEvaluationOptions>& evaluations) {
@@ -72,6 +82,7 @@ void write_surveyed_pairs(const std::filesystem::path& path, const std::vector<S
 }
 
 std::vector<AskedPair> read_asked_pairs(const std::filesystem::path& path, const std::vector<Sequence>& sequences) {
+  require_distinct_names(sequences);
   std::vector<AskedPair> pairs;
   for_each_csv_line(path, [&](const CsvFields& fields, const CsvFail& fail) {
     if (!fields.empty() && fields[0] == "query_sequence") return;

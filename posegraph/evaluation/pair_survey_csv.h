@@ -11,6 +11,9 @@
 
 namespace fabloop {
 
+/// Throws InputError when two sequences have one name, so that a file of pairs could not tell them apart.
+void require_distinct_names(const std::vector<Sequence>& sequences);
+
 /// Every pair on a line: sequences by name, frames by position, all figures of the verdict, and how far the pose is off (empty
 /// where there is no pose or no reference). `truths` and `evaluations` by sequence. Throws InputError when the file cannot be
 /// written.

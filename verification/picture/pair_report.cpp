@@ -46,7 +46,7 @@ void add_gates(const Verification& found, const VerifierOptions& options, Figure
   const bool is_single = is_no_accident && found.num_second_inliers < options.max_second_support * found.num_true;
   const bool is_spread = is_single && found.inlier_area >= options.min_inlier_area;
   const bool is_decided = is_spread && found.rotation_sigma_deg > 0;
-  list.add("looks", "2: with all features, where the first ones prove nothing", true, found.num_looks);
+  list.add("looks", "2: with all features, where the first ones prove nothing, or thinly", true, found.num_looks);
   list.add("matches", "features that look alike", true, found.num_matches, Wanted::AtLeast, options.min_matches);
   list.add("inliers", "matches that agree with the pose", has_pose, found.num_inliers, Wanted::AtLeast, options.min_inliers);
   list.add("true_inliers", "inliers that are true, by their scatter", has_pose, found.num_true);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "frontend/csv_lines.h"
 #include "posegraph/evaluation/pair_survey_csv.h"
 #include "tests/frontend/sequence/temporary_folder.h"
 #include "tests/posegraph/tiny_map.h"
@@ -65,11 +66,12 @@ TEST(PairSurvey, DoesNotDependOnTheNumberOfThreads) {
 TEST(PairSurvey, AskedForSomePairsMakesTheSameOfThem) {
   const Sequence sequence = thinned(read_tiny_sequence());
   PairSurveyOptions options = tiny_survey_options();
-  options.max_neighbour_distance = 2;  // so that not all frames need be seen
+  options.max_neighbour_distance = 1;  // so that not all frames need be seen
   const auto every = survey_pairs({sequence, sequence}, options);
-  options.only = std::vector<AskedPair>{{{0, 2}, {0, 0}}, {{1, 1}, {0, 1}}};
+  options.only = std::vector<AskedPair>{{{0, 6}, {0, 0}}, {{0, 6}, {0, 5}}, {{1, 6}, {0, 6}}};
   const auto some = survey_pairs({sequence, sequence}, options);
-  ASSERT_EQ(some.size(), 2U);
+  ASSERT_GE(sequence.frames.size(), 8U);
+  ASSERT_EQ(some.size(), 3U);
   for (const SurveyedPair& pair : some) {
     const auto same = std::find_if(every.begin(), every.end(), [&](const SurveyedPair& other) {
       return other.query == pair.query && other.match == pair.match;
@@ -81,15 +83,54 @@ TEST(PairSurvey, AskedForSomePairsMakesTheSameOfThem) {
   }
 }
 
-TEST(PairSurvey, IsAskedForByLinesOfTheFileThatItWrote) {
+TEST(PairSurvey, CountsWhatItFindsAmongTheAskedPairs) {
+  const Sequence sequence = thinned(read_tiny_sequence());
+  LoopTruth truth = truth_of(sequence);
+  truth.pairs = PairTruths{{{0, 1}, {.overlap = 0.5}}, {{0, 2}, {.overlap = 0.5}}, {{0, 3}, {.overlap = 0.2}}};
+  PairSurveyOptions options = tiny_survey_options();
+  options.only = std::vector<AskedPair>{{{0, 1}, {0, 0}}, {{0, 3}, {0, 0}}};
+  const auto summaries = summarise_survey(survey_pairs({sequence}, options), {truth}, {{}});
+  EXPECT_EQ(summaries[0].wide.num_pairs, 1U);
+  EXPECT_EQ(summaries[0].narrow.num_pairs, 1U);
+}
+
+TEST(PairSurvey, WritesWhatItJudgesAndIsAskedForByLinesOfThatFile) {
   Sequence sequence = thinned(read_tiny_sequence());
   sequence.name = "tiny";
   const LoopTruth truth = truth_of(sequence);
   PairSurveyOptions options = tiny_survey_options();
-  options.only = std::vector<AskedPair>{{{0, 2}, {0, 0}}, {{0, 2}, {0, 1}}};
+  options.only = std::vector<AskedPair>{{{0, 1}, {0, 0}}, {{0, 2}, {0, 1}}};
+  const auto pairs = survey_pairs({sequence}, options);
   const TemporaryFolder folder;
-  write_surveyed_pairs(folder.path() / "pairs.csv", survey_pairs({sequence}, options), {sequence}, {truth}, {{}});
-  EXPECT_EQ(read_asked_pairs(folder.path() / "pairs.csv", {sequence}), *options.only);
+  const auto path = folder.path() / "pairs.csv";
+  write_surveyed_pairs(path, pairs, {sequence}, {truth}, {{}});
+  EXPECT_EQ(read_asked_pairs(path, {sequence}), *options.only);
+
+  std::vector<CsvFields> lines;
+  for_each_csv_line(path, [&](const CsvFields& fields, const CsvFail&) { lines.push_back(fields); });
+  ASSERT_EQ(lines.size(), 3U);
+  ASSERT_EQ(lines[0].size(), lines[1].size());
+  const auto field = [&](const std::string& column) {
+    return lines[1][static_cast<std::size_t>(std::find(lines[0].begin(), lines[0].end(), column) - lines[0].begin())];
+  };
+  const Verification& found = pairs[0].verification;
+  const JudgedLoop judged = judge_pair(pairs[0], {truth}, {{}});
+  ASSERT_EQ(found.verdict, Verdict::Accepted);
+  EXPECT_EQ(field("query"), "1");
+  EXPECT_EQ(field("verdict"), "Accepted");
+  EXPECT_EQ(field("judgement"), in_words(judged.judgement));
+  EXPECT_NEAR(std::stod(field("rotation_error_deg")), judged.rotation_error_deg, 1e-4);
+  EXPECT_EQ(field("translation_error_m").empty(), !found.has_scale);
+  EXPECT_EQ(field("direction_error_deg").empty(), found.has_scale);
+  EXPECT_NEAR(std::stod(field("p_true")), found.p_true, 1e-5);
+  EXPECT_EQ(field("inliers"), std::to_string(found.num_inliers));
+  EXPECT_NEAR(std::stod(field("qw")), found.match_from_query.rotation.w(), 1e-5);
+}
+
+TEST(PairSurvey, TellsSequencesOfOneNameNotApart) {
+  Sequence sequence;
+  sequence.name = "flight";
+  EXPECT_NE(input_error_of([&] { require_distinct_names({sequence, sequence}); }).find("flight"), std::string::npos);
 }
 
 TEST(PairSurvey, NamesTheLineThatAsksForWhatIsNotThere) {
