@@ -58,7 +58,7 @@ std::vector<StampedPath> frames_from_names(const std::vector<fs::path>& images) 
   if (frames.size() == images.size() && !has_a_time_twice) return frames;
   frames.clear();
   for (const fs::path& image : images) {
-    frames.push_back({image, static_cast<std::int64_t>(frames.size()) * kNanosecondsPerSecond});
+    frames.push_back({image, static_cast<std::int64_t>(frames.size()) * kNanosecondsPerSecond, false});
   }
   return frames;
 }

@@ -4,6 +4,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 
 #include "posegraph/sfm/readout_equations.h"
 
@@ -16,18 +17,31 @@ struct ReadoutEstimate {
   ReadoutMatrix covariance;
 };
 
-/// The least squares of all images. The covariance is what the images' scores scatter by (Liang & Zeger 1986): errors may be
-/// alike within an image.
-ReadoutEstimate solve(const ReadoutEquations& equations, const Eigen::LDLT<ReadoutMatrix>& total, const ReadoutVector& score) {
+/// Whether the unknowns can be told apart, to what rounding leaves of it.
+bool is_determined(const ReadoutMatrix& information) {
+  constexpr double kLeast = 1e-9;
+  if (!(information.diagonal().minCoeff() > 0)) return false;
+  const ReadoutVector unit = information.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::LDLT<ReadoutMatrix> scaled(ReadoutMatrix(unit.asDiagonal() * information * unit.asDiagonal()));
+  return scaled.vectorD().minCoeff() > kLeast;
+}
+
+/// The least squares of all images. The covariance is the jackknife's, by images (Bell & McCaffrey 2002, CR3): errors may be
+/// alike within an image, and what an image says the unknowns follow, the more so the fewer they are. None where it takes all
+/// images to tell the unknowns apart.
+std::optional<ReadoutEstimate> solve(const ReadoutEquations& equations, const ReadoutMatrix& information,
+                                     const ReadoutVector& score) {
+  if (!is_determined(information)) return std::nullopt;
   ReadoutEstimate result;
-  result.step = total.solve(-score);
-  ReadoutMatrix scatter = ReadoutMatrix::Zero();
+  result.step = Eigen::LDLT<ReadoutMatrix>(information).solve(-score);
+  result.covariance = ReadoutMatrix::Zero();
   for (std::size_t view = 0; view < equations.score.size(); ++view) {
+    const ReadoutMatrix others = information - equations.information[view];
+    if (!is_determined(others)) return std::nullopt;
     const ReadoutVector left = equations.score[view] + equations.information[view] * result.step;
-    scatter += left * left.transpose();
+    const ReadoutVector astray = Eigen::LDLT<ReadoutMatrix>(others).solve(left);
+    result.covariance += astray * astray.transpose();
   }
-  const ReadoutMatrix half = total.solve(scatter);
-  result.covariance = total.solve(ReadoutMatrix(half.transpose()));
   return result;
 }
 
@@ -44,14 +58,6 @@ void know_calibration(ReadoutEstimate& estimate, const RollingShutterCheckOption
   estimate.covariance -= ReadoutMatrix(gain * estimate.covariance.bottomRows<kNum>());
 }
 
-/// Whether the unknowns can be told apart, to what rounding leaves of it.
-bool is_determined(const ReadoutMatrix& information) {
-  constexpr double kLeast = 1e-9;
-  const ReadoutVector unit = information.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::LDLT<ReadoutMatrix> scaled(ReadoutMatrix(unit.asDiagonal() * information * unit.asDiagonal()));
-  return scaled.vectorD().minCoeff() > kLeast;
-}
-
 }  // namespace
 
 RollingShutterCheck check_rolling_shutter(const Scene& scene, const Segment& segment, const std::vector<CameraRate>& rates,
@@ -65,11 +71,13 @@ RollingShutterCheck check_rolling_shutter(const Scene& scene, const Segment& seg
     information += equations.information[view];
     score += equations.score[view];
   }
-  if (!(check.px_per_s > 0) || !is_determined(information)) return check;
-  ReadoutEstimate estimate = solve(equations, Eigen::LDLT<ReadoutMatrix>(information), score);
-  know_calibration(estimate, options);
-  check.readout_s = readout_s + estimate.step[0];
-  check.sigma_s = std::sqrt(estimate.covariance(0, 0));
+  constexpr std::size_t kLeastViews = 2 * ReadoutVector::RowsAtCompileTime;
+  if (!(check.px_per_s > 0) || equations.score.size() < kLeastViews) return check;
+  std::optional<ReadoutEstimate> estimate = solve(equations, information, score);
+  if (!estimate) return check;
+  know_calibration(*estimate, options);
+  check.readout_s = readout_s + estimate->step[0];
+  check.sigma_s = std::sqrt(estimate->covariance(0, 0));
   check.readout_of_given_camera_s = readout_s - score[0] / information(0, 0);
   check.is_known = std::isfinite(check.readout_s) && check.sigma_s > 0;
   judge(check, options);
@@ -77,8 +85,7 @@ RollingShutterCheck check_rolling_shutter(const Scene& scene, const Segment& seg
 }
 
 void judge(RollingShutterCheck& check, const RollingShutterCheckOptions& options) {
-  constexpr double kSigmas = 4.0;
-  check.is_certain = check.is_known && std::abs(check.readout_s) > kSigmas * check.sigma_s;
+  check.is_certain = check.is_known && std::abs(check.readout_s) > kCertainSigmas * check.sigma_s;
   check.is_relevant = check.is_certain && std::abs(check.shift_px()) > options.min_shift_px;
 }
 
