@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "posegraph/sfm/rolling_shutter.h"
 
+#include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <sstream>
@@ -55,8 +56,8 @@ std::optional<ModelledReadout> model_rolling_shutter(const Scene& scene, Segment
 ModelledReadout follow_rolling_shutter(const Scene& scene, Segment& segment, const std::vector<std::int64_t>& times_ns,
                                        double readout_s, const TrackTriangulationOptions& triangulation,
                                        const RollingShutterOptions& options) {
-  constexpr int kMaxRounds = 6, kRoundsOfKnown = 2;  // motions follow the poses of the round before
-  constexpr double kStays = 0.1;                     // sigmas
+  constexpr int kMaxRounds = 6, kRoundsOfKnown = 2;   // motions follow the poses of the round before
+  constexpr double kStays = 0.1, kNothing_px = 0.01;  // sigmas; over the image, where there is next to no noise
   const bool is_known = options.shutter == Shutter::RollingKnown;
   ModelledReadout result{readout_s, is_known};
   std::vector<CameraRate> rates = camera_rates(segment.world_from_cameras, times_ns);
@@ -70,7 +71,7 @@ ModelledReadout follow_rolling_shutter(const Scene& scene, Segment& segment, con
     if (!check.is_known) break;
     const double step_s = check.readout_of_given_camera_s - result.readout_s;
     result.readout_s += step_s;
-    result.has_settled = round > 0 && std::abs(step_s) <= kStays * check.sigma_s;
+    result.has_settled = round > 0 && std::abs(step_s) <= std::max(kStays * check.sigma_s, kNothing_px / check.px_per_s);
     if (result.has_settled) break;
   }
   segment.readout_motions = readout_motions(rates, result.readout_s);
