@@ -64,18 +64,19 @@ TEST(RollingShutterCheck, TellsTheReadoutTimeAndItsDirection) {
 }
 
 TEST(RollingShutterCheck, IsSilentOfAGlobalShutter) {
-  double squares = 0;
   constexpr int kNumFlights = 20;
-  for (std::uint64_t seed = 1; seed <= kNumFlights; ++seed) {
-    const RollingShutterCheck found = check(make_rolling_shutter_scene(
-        0.0, {.num_strips = 2, .views_per_strip = 9, .num_points = 200, .noise_px = 0.3, .seed = seed}));
-    ASSERT_TRUE(found.is_known);  // of as few images as can be
-    EXPECT_FALSE(found.is_certain) << found.shift_px() << " px, sigma " << found.shift_sigma_px();
-    squares += std::pow(found.readout_s / found.sigma_s, 2);
+  // As few images as can be. Looking straight down they tell some of the calibration's errors badly.
+  for (const double tilt_deg : {0.0, 8.0}) {
+    double squares = 0;
+    for (std::uint64_t seed = 1; seed <= kNumFlights; ++seed) {
+      const RollingShutterCheck found = check(make_rolling_shutter_scene(
+          0.0, {.num_strips = 2, .views_per_strip = 9, .num_points = 200, .tilt_deg = tilt_deg, .noise_px = 0.3, .seed = seed}));
+      ASSERT_TRUE(found.is_known);
+      EXPECT_FALSE(found.is_certain) << found.shift_px() << " px, sigma " << found.shift_sigma_px();
+      squares += std::pow(found.readout_s / found.sigma_s, 2);
+    }
+    EXPECT_LT(std::sqrt(squares / kNumFlights), 1.3);  // sigmas: one, and two deviations of what 20 flights tell of it
   }
-  const double spread = std::sqrt(squares / kNumFlights);
-  RecordProperty("spread", std::to_string(spread));
-  EXPECT_LT(spread, 1.35) << "sigmas";  // one, give or take two standard deviations of what 20 flights tell of it
 }
 
 TEST(RollingShutterCheck, KnowsNothingFromFewImages) {
