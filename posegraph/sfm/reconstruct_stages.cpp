@@ -47,6 +47,10 @@ std::vector<Segment> place_views(const Scene& scene, const std::vector<ViewPair>
   return segments;
 }
 
+SegmentFinishOptions finish_options(const ReconstructOptions& options) {
+  return {options.growth.triangulation, options.max_error_px};
+}
+
 void model_shutter(const Sequence& sequence, const std::vector<View>& views, TrackSet& tracks, Segment& segment,
                    Reconstructed& result, const ReconstructOptions& options) {
   const Scene scene{views, tracks};
