@@ -185,8 +185,8 @@ TEST(Reconstruct, IsMadeUnderAKnownReadout) {
 TEST(Reconstruct, RefusesAReadoutOfImagesWithoutTimes) {
   const test::ScratchFolder folder;
   testing_support::copy_tiny_sequence(folder.path() / "flight", 3);
-  for (const char* name : {"frames.csv", "track.csv"}) std::filesystem::remove(folder.path() / "flight" / name);
-  const Sequence sequence = read_sequence(folder.path() / "flight", {.reference = {}});
+  for (const char* name : {"frames.csv", "track.csv", "reference.tum"}) std::filesystem::remove(folder.path() / "flight" / name);
+  const Sequence sequence = read_sequence(folder.path() / "flight");
   ASSERT_FALSE(sequence.has_times);
   ReconstructOptions options = tiny_options();
   options.rolling_shutter.shutter = Shutter::RollingKnown;
