@@ -46,7 +46,10 @@ void print_reconstruction_report(std::ostream& out, const Sequence& sequence, co
   if (const RollingShutterCheck& shutter = result.rolling_shutter_check; shutter.is_known) {
     out << "  shutter: the images tell " << shutter.shift_px() << " px from the first row to the last, sigma "
         << shutter.shift_sigma_px() << " px";
-    if (result.modelled_readout_s) out << "; the map has a rolling shutter of " << *result.modelled_readout_s << " s";
+    if (result.modelled_readout) {
+      out << "; the map has a rolling shutter of " << result.modelled_readout->readout_s
+          << (sequence.has_times ? " s" : " of the step from image to image");
+    }
     out << '\n';
   }
   if (const auto& found = result.georeference.found) {

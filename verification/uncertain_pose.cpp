@@ -13,18 +13,13 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 /// What a host prints with nine digits still counts as symmetric, and a zero eigenvalue comes back as one this small.
 constexpr double kRounding = 1e-9;
-/// An eigenvalue of this share of the largest is what arithmetic leaves of zero; metres and radians may differ by more than print.
+/// An eigenvalue of this share of the largest is what arithmetic leaves of zero; metres and radians may differ by more than
+/// print.
 constexpr double kNoInformation = 1e-13;
 
 Matrix6d transformed(const Matrix6d& jacobian, const Matrix6d& covariance) {
   const Matrix6d result = jacobian * covariance * jacobian.transpose();
   return 0.5 * (result + result.transpose());
-}
-
-Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& rotation) {
-  const Eigen::AngleAxisd angle_axis(rotation);
-  const double angle = angle_axis.angle() > kPi ? angle_axis.angle() - 2 * kPi : angle_axis.angle();
-  return angle * angle_axis.axis();
 }
 
 }  // namespace
@@ -58,7 +53,7 @@ double relative_distance_sigma(const UncertainPose& a_from_b) {
 Eigen::Matrix<double, 6, 1> pose_error(const Pose& pose, const Pose& other) {
   const Pose error = pose.inverse() * other;
   Eigen::Matrix<double, 6, 1> result;
-  result << error.translation, rotation_vector(error.rotation);
+  result << error.translation, vector_from_rotation(error.rotation);
   return result;
 }
 

@@ -41,6 +41,12 @@ inline Eigen::Quaterniond rotation_from_vector(const Eigen::Vector3d& v) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle, angle > 0 ? Eigen::Vector3d(v / angle) : Eigen::Vector3d::UnitX()));
 }
 
+/// Its inverse: the rotation vector of a rotation, at most pi long.
+inline Eigen::Vector3d vector_from_rotation(const Eigen::Quaterniond& rotation) {
+  const Eigen::AngleAxisd turn(rotation);
+  return turn.angle() * turn.axis();
+}
+
 /// [v]x: cross_matrix(v) * w = v x w.
 inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   return (Eigen::Matrix3d() << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0).finished();

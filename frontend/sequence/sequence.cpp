@@ -88,6 +88,7 @@ Sequence read_sequence(const fs::path& folder, const SequenceOptions& options) {
   }
   Sequence sequence;
   for (StampedPath& image : list_stamped_images(folder, options.warn)) {
+    sequence.has_times = sequence.has_times && image.is_time_known;
     sequence.frames.push_back({std::move(image.path), image.time_ns, {}, {}});
   }
   sequence.name = sequence_name(folder);

@@ -27,6 +27,7 @@ struct Sequence {
   std::string name;
   Camera camera;
   std::vector<Frame> frames;
+  bool has_times = true;  ///< Its stamps are times. Else there were none, and images count as one second apart.
 };
 
 /// Where the parts of a sequence are when they are not at their usual places in its folder.

@@ -44,6 +44,12 @@ std::vector<StampedPath> frames_from_csv(const fs::path& csv, const std::vector<
   return frames;
 }
 
+/// Whether a stamp from a file name may number an image: a whole number of seconds that no clock of our days shows.
+bool is_a_count(const StampedPath& frame) {
+  constexpr std::int64_t kLeastTime_s = 1'000'000;
+  return frame.time_ns % kNanosecondsPerSecond == 0 && frame.time_ns < kLeastTime_s * kNanosecondsPerSecond;
+}
+
 /// Frames stamped by their file names where all of these are times, else 1 s apart.
 std::vector<StampedPath> frames_from_names(const std::vector<fs::path>& images) {
   std::vector<StampedPath> frames;
@@ -55,10 +61,14 @@ std::vector<StampedPath> frames_from_names(const std::vector<fs::path>& images) 
   const bool has_a_time_twice = std::adjacent_find(frames.begin(), frames.end(), [](const StampedPath& a, const StampedPath& b) {
                                   return a.time_ns == b.time_ns;
                                 }) != frames.end();
-  if (frames.size() == images.size() && !has_a_time_twice) return frames;
+  if (frames.size() == images.size() && !has_a_time_twice) {
+    const bool counts = std::all_of(frames.begin(), frames.end(), is_a_count);
+    for (StampedPath& frame : frames) frame.is_time_known = !counts;
+    return frames;
+  }
   frames.clear();
   for (const fs::path& image : images) {
-    frames.push_back({image, static_cast<std::int64_t>(frames.size()) * kNanosecondsPerSecond});
+    frames.push_back({image, static_cast<std::int64_t>(frames.size()) * kNanosecondsPerSecond, false});
   }
   return frames;
 }

@@ -14,6 +14,7 @@ namespace fabloop {
 struct StampedPath {
   std::filesystem::path path;
   std::int64_t time_ns = 0;
+  bool is_time_known = true;  ///< Else the stamp only counts images, as names like 000012.jpg do.
 };
 
 /// The images of a sequence folder (itself or in `images/`) in order of time; stamps come from `frames.csv` or `track.csv`

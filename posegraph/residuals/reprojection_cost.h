@@ -10,7 +10,7 @@
 
 #include "frontend/geometry/camera.h"
 #include "frontend/geometry/pose.h"
-#include "posegraph/sfm/readout_motion.h"
+#include "frontend/geometry/readout_motion.h"
 
 /// Errors of bundle adjustment. A view is one block of six numbers: the rotation vector w by which it turns from where it
 /// started, world_from_camera = start * exp(w), and the camera's centre in the world. From a start that is not far off, w needs

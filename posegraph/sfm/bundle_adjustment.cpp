@@ -12,6 +12,7 @@
 #include <deque>
 #include <limits>
 #include <memory>
+#include <vector>
 
 #include "frontend/error.h"
 #include "posegraph/residuals/reprojection_cost.h"
@@ -116,23 +117,26 @@ class Adjustment {
     if (options_.refine == RefineCamera::Focal && problem_.HasParameterBlock(lens())) problem_.SetManifold(lens(), &focal_only_);
   }
 
-  /// Readout motions are lengths that do not follow the world's unit: where nothing else holds it, it would shrink or grow until
-  /// they fit better.
+  /// Readout motions are lengths that do not follow the world's unit: where nothing else holds it, as two held views do, it would
+  /// shrink or grow until they fit better.
   void hold_unit() {
     constexpr double kRelativeSigma = 1e-6;
     const auto& views = bundle_.views;
-    const auto centre = [&](std::size_t i) -> const Eigen::Vector3d& { return views[i].world_from_camera.translation; };
     const bool none_moves =
         std::all_of(views.begin(), views.end(), [](const auto& v) { return v.readout.shift_in_world.isZero(0); });
-    const bool is_held = std::any_of(views.begin(), views.end(), [](const auto& v) { return v.is_fixed; }) || has_positions_;
-    if (none_moves || is_held) return;
-    std::size_t farthest = 0;
-    for (std::size_t i = 1; i < views.size(); ++i) {
-      if ((centre(i) - centre(0)).norm() > (centre(farthest) - centre(0)).norm()) farthest = i;
+    if (none_moves || has_positions_) return;
+    std::vector<std::size_t> held, moving;
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      if (!problem_.HasParameterBlock(view(i))) continue;
+      (problem_.IsParameterBlockConstant(view(i)) ? held : moving).push_back(i);
     }
-    const double distance = (centre(farthest) - centre(0)).norm();
-    if (!(distance > 0)) return;
-    distance_error_ = std::make_unique<DistanceCost>(new bundle::DistanceError{centre(0), distance, kRelativeSigma});
+    if (held.size() != 1 || moving.empty()) return;
+    const Eigen::Vector3d& centre = views[held.front()].world_from_camera.translation;
+    const auto distance = [&](std::size_t i) { return (views[i].world_from_camera.translation - centre).norm(); };
+    const std::size_t farthest =
+        *std::max_element(moving.begin(), moving.end(), [&](std::size_t a, std::size_t b) { return distance(a) < distance(b); });
+    if (!(distance(farthest) > 0)) return;
+    distance_error_ = std::make_unique<DistanceCost>(new bundle::DistanceError{centre, distance(farthest), kRelativeSigma});
     problem_.AddResidualBlock(distance_error_.get(), nullptr, view(farthest));
   }
 

@@ -8,7 +8,7 @@
 
 #include "frontend/geometry/camera.h"
 #include "frontend/geometry/pose.h"
-#include "posegraph/sfm/readout_motion.h"
+#include "frontend/geometry/readout_motion.h"
 
 namespace fabloop {
 

@@ -19,11 +19,6 @@ struct Step {
   bool is_pause = false;
 };
 
-Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& rotation) {
-  const Eigen::AngleAxisd turn(rotation.w() < 0 ? Eigen::Quaterniond(-rotation.coeffs()) : rotation);
-  return turn.angle() * turn.axis();
-}
-
 std::vector<Step> steps_between(const std::vector<Pose>& poses, const std::vector<double>& times_s) {
   constexpr double kPause = 4.0;  // times the usual step
   std::vector<Step> steps;
@@ -33,7 +28,7 @@ std::vector<Step> steps_between(const std::vector<Pose>& poses, const std::vecto
     step.duration_s = times_s[i + 1] - times_s[i];
     step.way = poses[i + 1].translation - poses[i].translation;
     if (step.duration_s > 0) {
-      step.turn_per_s = rotation_vector(poses[i].rotation.conjugate() * poses[i + 1].rotation) / step.duration_s;
+      step.turn_per_s = vector_from_rotation(poses[i].rotation.conjugate() * poses[i + 1].rotation) / step.duration_s;
       durations_s.push_back(step.duration_s);
     }
     steps.push_back(step);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "frontend/geometry/pose.h"
-#include "posegraph/sfm/readout_motion.h"
+#include "frontend/geometry/readout_motion.h"
 
 namespace fabloop {
 

@@ -81,7 +81,8 @@ double mean_error_px(const Reconstruction& reconstruction, const ScenePoint& poi
   std::size_t count = 0;
   for (const Sighting& sighting : point.track) {
     const PlacedImage& image = reconstruction.images[sighting.image];
-    const auto pixel = project(reconstruction.cameras[image.camera], image.world_from_camera.inverse() * point.x_in_world);
+    const auto pixel =
+        project(reconstruction.cameras[image.camera], pose_at_sighting(reconstruction, sighting).inverse() * point.x_in_world);
     if (!pixel) continue;
     sum += (*pixel - sighting.pixel).norm();
     ++count;

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdint>
 #include <deque>
-#include <limits>
 #include <map>
 #include <optional>
 #include <utility>
@@ -24,11 +23,10 @@ constexpr int kNumUnknowns = ReadoutVector::RowsAtCompileTime, kNumOfCalibration
 using ViewBlock = Eigen::Matrix<double, kViewSize, kViewSize>;
 using ViewByUnknowns = Eigen::Matrix<double, kViewSize, kNumUnknowns>;
 using PointByUnknowns = Eigen::Matrix<double, 3, kNumUnknowns>;
-constexpr std::size_t kNotPlaced = std::numeric_limits<std::size_t>::max();
 
 /// A sighting's error and its derivatives, times the root of its robust weight.
 struct LinearSighting {
-  std::size_t view = 0;  ///< Among the placed.
+  std::size_t view = 0;  ///< Among the numbered.
   Eigen::Vector2d error = Eigen::Vector2d::Zero();
   Eigen::Matrix<double, 2, kViewSize> by_view = Eigen::Matrix<double, 2, kViewSize>::Zero();
   Eigen::Matrix<double, 2, 3> by_point = Eigen::Matrix<double, 2, 3>::Zero();
@@ -44,16 +42,55 @@ Eigen::Matrix<double, 2, kNumOfCalibration> by_calibration(double x, double y, d
   return result;
 }
 
+/// Members of a point's track in those views.
+std::vector<TrackFeature> members_in(const Scene& scene, const Segment& segment, std::size_t track,
+                                     const std::vector<char>& takes_part) {
+  std::vector<TrackFeature> members;
+  if (!segment.points[track]) return members;
+  for (const std::uint32_t i : segment.points[track]->seen_by) {
+    const TrackFeature& member = scene.tracks.tracks[track][i];
+    if (takes_part[member.view]) members.push_back(member);
+  }
+  return members;
+}
+
+/// Placed views that see enough points for a pose, of points that another of them sees, too.
+std::vector<char> views_that_see_enough(const Scene& scene, const Segment& segment) {
+  constexpr std::size_t kLeastPoints = 6;  // three would do for a pose, but not to say how well it fits
+  std::vector<char> takes_part(scene.views.size(), 0);
+  for (std::size_t view = 0; view < scene.views.size(); ++view) takes_part[view] = segment.world_from_cameras[view].has_value();
+  for (bool has_changed = true; has_changed;) {
+    has_changed = false;
+    std::vector<std::size_t> num_points(scene.views.size(), 0);
+    for (std::size_t track = 0; track < segment.points.size(); ++track) {
+      const std::vector<TrackFeature> members = members_in(scene, segment, track, takes_part);
+      if (members.size() < 2) continue;
+      for (const TrackFeature& member : members) ++num_points[member.view];
+    }
+    for (std::size_t view = 0; view < scene.views.size(); ++view) {
+      if (!takes_part[view] || num_points[view] >= kLeastPoints) continue;
+      takes_part[view] = 0;
+      has_changed = true;
+    }
+  }
+  return takes_part;
+}
+
 /// Poses and points eliminated exactly.
 class Elimination {
  public:
   Elimination(const Scene& scene, const Segment& segment, const std::vector<CameraRate>& rates, double loss_px)
-      : scene_(scene), segment_(segment), rates_(rates), loss_px_(loss_px), placed_(scene.views.size(), kNotPlaced) {
+      : scene_(scene),
+        segment_(segment),
+        rates_(rates),
+        loss_px_(loss_px),
+        number_of_(scene.views.size(), 0),
+        takes_part_(views_that_see_enough(scene, segment)) {
     for (std::size_t view = 0; view < scene.views.size(); ++view) {
       turned_.emplace_back(segment.world_from_cameras[view] ? segment.world_from_cameras[view]->rotation.normalized()
                                                             : Eigen::Quaterniond::Identity());
-      if (!segment.world_from_cameras[view]) continue;
-      placed_[view] = num_placed_++;
+      if (!takes_part_[view]) continue;
+      number_of_[view] = num_views_++;
       centres_.push_back(segment.world_from_cameras[view]->translation);
     }
   }
@@ -67,7 +104,8 @@ class Elimination {
   }
 
  private:
-  LinearSighting linear(const SegmentPoint& point, const TrackFeature& member) {
+  /// None of a point behind the camera.
+  std::optional<LinearSighting> linear(const SegmentPoint& point, const TrackFeature& member) {
     const View& view = scene_.views[member.view];
     const Eigen::Vector2d pixel = pixel_of(scene_, member);
     const double share = readout_share(view.camera, pixel.y());
@@ -75,14 +113,14 @@ class Elimination {
     const Eigen::Vector3d& ray = view.rays[member.feature];
     const bundle::PinholeError cost(turned_[member.view], view.camera, view.features.pixel_size, ray, motion, share);
     LinearSighting result;
-    result.view = placed_[member.view];
+    result.view = number_of_[member.view];
     Eigen::Matrix<double, kViewSize, 1> block = Eigen::Matrix<double, kViewSize, 1>::Zero();
     block.tail<3>() = centres_[result.view];
     Eigen::Matrix<double, 2, kViewSize, Eigen::RowMajor> by_view;
     Eigen::Matrix<double, 2, 3, Eigen::RowMajor> by_point;
     const std::array<const double*, 2> blocks{block.data(), point.x_in_world.data()};
     std::array<double*, 2> derivatives{by_view.data(), by_point.data()};
-    if (!cost.Evaluate(blocks.data(), result.error.data(), derivatives.data())) return {};
+    if (!cost.Evaluate(blocks.data(), result.error.data(), derivatives.data())) return std::nullopt;
     // A row at `share` sees the camera moved on by its rate times share times readout: the derivative is that by the pose.
     Eigen::Matrix<double, kViewSize, 1> rate;
     rate << rates_[member.view].turn_per_s, rates_[member.view].velocity_in_world_per_s;
@@ -103,12 +141,14 @@ class Elimination {
 
   std::vector<LinearSighting> sightings_of(std::size_t track) {
     std::vector<LinearSighting> sightings;
-    for (const std::uint32_t i : segment_.points[track]->seen_by)
-      sightings.push_back(linear(*segment_.points[track], scene_.tracks.tracks[track][i]));
+    for (const TrackFeature& member : members_in(scene_, segment_, track, takes_part_)) {
+      if (const auto sighting = linear(*segment_.points[track], member)) sightings.push_back(*sighting);
+    }
     return sightings;
   }
 
   static std::optional<Eigen::Matrix3d> covariance_of_point(const std::vector<LinearSighting>& sightings) {
+    if (sightings.size() < 2) return std::nullopt;
     Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
     for (const LinearSighting& s : sightings) information += s.by_point.transpose() * s.by_point;
     const Eigen::LDLT<Eigen::Matrix3d> solver(information);
@@ -118,7 +158,7 @@ class Elimination {
 
   /// Normal equations of the views, points eliminated.
   void reduce() {
-    right_.assign(num_placed_, ViewByUnknowns::Zero());
+    right_.assign(num_views_, ViewByUnknowns::Zero());
     for (std::size_t track = 0; track < segment_.points.size(); ++track) {
       if (!segment_.points[track]) continue;
       const std::vector<LinearSighting> sightings = sightings_of(track);
@@ -142,16 +182,18 @@ class Elimination {
   /// How the views follow the unknowns. The first view is held, and its distance to the farthest, since the world's place and
   /// unit are free.
   bool solve_views() {
-    if (num_placed_ < 2) return false;
+    if (num_views_ < 2) return false;
     std::size_t farthest = 1;
-    for (std::size_t view = 2; view < num_placed_; ++view) {
+    for (std::size_t view = 2; view < num_views_; ++view) {
       if ((centres_[view] - centres_[0]).norm() > (centres_[farthest] - centres_[0]).norm()) farthest = view;
     }
     const Eigen::Vector3d away = (centres_[farthest] - centres_[0]).normalized();
-    ViewBlock& of_farthest = blocks_.at({farthest, farthest});
+    const auto of_itself = blocks_.find({farthest, farthest});
+    if (of_itself == blocks_.end()) return false;
+    ViewBlock& of_farthest = of_itself->second;
     const Eigen::Matrix3d hold = of_farthest.bottomRightCorner<3, 3>().trace() * away * away.transpose();
     of_farthest.bottomRightCorner<3, 3>() += hold;
-    const auto size = static_cast<Eigen::Index>(kViewSize * (num_placed_ - 1));
+    const auto size = static_cast<Eigen::Index>(kViewSize * (num_views_ - 1));
     std::vector<Eigen::Triplet<double>> entries;
     for (const auto& [at, block] : blocks_) {
       if (at.first == 0 || at.second == 0) continue;
@@ -165,12 +207,12 @@ class Elimination {
     Eigen::SparseMatrix<double> matrix(size, size);
     matrix.setFromTriplets(entries.begin(), entries.end());
     Eigen::Matrix<double, Eigen::Dynamic, kNumUnknowns> right(size, kNumUnknowns);
-    for (std::size_t view = 1; view < num_placed_; ++view) right.middleRows<kViewSize>(offset(view)) = right_[view];
+    for (std::size_t view = 1; view < num_views_; ++view) right.middleRows<kViewSize>(offset(view)) = right_[view];
     const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> solver(matrix);
     if (solver.info() != Eigen::Success || !(solver.vectorD().minCoeff() > 0)) return false;
     const Eigen::Matrix<double, Eigen::Dynamic, kNumUnknowns> follow = solver.solve(right);
-    follow_.assign(num_placed_, ViewByUnknowns::Zero());
-    for (std::size_t view = 1; view < num_placed_; ++view) follow_[view] = follow.middleRows<kViewSize>(offset(view));
+    follow_.assign(num_views_, ViewByUnknowns::Zero());
+    for (std::size_t view = 1; view < num_views_; ++view) follow_[view] = follow.middleRows<kViewSize>(offset(view));
     return true;
   }
 
@@ -178,8 +220,8 @@ class Elimination {
 
   /// Information and scores of the unknowns by view, with what views and points take up of them taken away.
   void score() {
-    equations_.score.assign(num_placed_, ReadoutVector::Zero());
-    equations_.information.assign(num_placed_, ReadoutMatrix::Zero());
+    equations_.score.assign(num_views_, ReadoutVector::Zero());
+    equations_.information.assign(num_views_, ReadoutMatrix::Zero());
     for (std::size_t track = 0; track < segment_.points.size(); ++track) {
       if (!segment_.points[track]) continue;
       std::vector<LinearSighting> sightings = sightings_of(track);
@@ -204,9 +246,10 @@ class Elimination {
   const std::vector<CameraRate>& rates_;
   double loss_px_;
   std::deque<bundle::TurnedView> turned_;  ///< One a view of the scene.
-  std::vector<std::size_t> placed_;        ///< Position among the placed of each view.
-  std::size_t num_placed_ = 0;
-  std::vector<Eigen::Vector3d> centres_;                             ///< Of the placed.
+  std::vector<std::size_t> number_of_;     ///< Of each view of the scene that takes part: its position among those.
+  std::vector<char> takes_part_;           ///< One a view of the scene.
+  std::size_t num_views_ = 0;
+  std::vector<Eigen::Vector3d> centres_;                             ///< Of the numbered.
   std::map<std::pair<std::size_t, std::size_t>, ViewBlock> blocks_;  ///< Lower triangle.
   std::vector<ViewByUnknowns> right_, follow_;
   std::vector<double> px_per_s_;  ///< One a sighting.

@@ -18,7 +18,7 @@ using ReadoutMatrix = Eigen::Matrix<double, 9, 9>;
 /// A least-squares problem in the unknowns alone, poses and points eliminated, as the sum of what each image says: its
 /// information and its score (the gradient of half the squared errors) at the point where the segment was adjusted.
 struct ReadoutEquations {
-  std::vector<ReadoutMatrix> information;  ///< One a placed view.
+  std::vector<ReadoutMatrix> information;  ///< One a placed view that sees enough of the points.
   std::vector<ReadoutVector> score;
   double px_per_s = 0;  ///< How far the median sighting moves over the image in a second, pixels of the images.
 };

@@ -6,9 +6,8 @@
 #include <utility>
 
 #include "frontend/error.h"
-#include "posegraph/evaluation/trajectory_error.h"
-#include "posegraph/sfm/camera_rates.h"
 #include "posegraph/sfm/kept_work.h"
+#include "posegraph/sfm/reconstruct_stages.h"
 #include "posegraph/sfm/reconstruction_result.h"
 #include "posegraph/sfm/segment_adjustment.h"
 #include "posegraph/sfm/segment_finish.h"
@@ -17,13 +16,14 @@ namespace fabloop {
 namespace {
 
 /// Options of the parts with what holds for all of them.
-ReconstructOptions with_common(ReconstructOptions options) {
+ReconstructOptions with_common(const Sequence& sequence, ReconstructOptions options) {
   options.candidates.seed = options.view_graph.seed = options.growth.resection.seed = options.seed;
   options.candidates.num_threads = options.view_graph.num_threads = options.camera_check.num_threads = options.num_threads;
   options.growth.triangulation.num_threads = options.growth.start.triangulation.num_threads = options.num_threads;
   options.candidates.progress = options.view_graph.progress = options.growth.progress = options.progress;
   options.join.growth = options.growth;
   options.join.seed = options.seed;
+  options.rolling_shutter.has_times = sequence.has_times;
   return options;
 }
 
@@ -37,37 +37,6 @@ ColourViews read_views(const Sequence& sequence, const std::optional<Model>& mod
   view_options.progress = options.progress;
   view_options.state = &state;
   return read_colour_views(sequence, view_options);
-}
-
-TrackSet tracks_of(const std::vector<View>& views, const std::vector<ViewPair>& pairs) {
-  std::vector<std::size_t> num_features;
-  for (const View& view : views) num_features.push_back(view.features.keypoints.size());
-  return build_tracks(num_features, pairs);
-}
-
-/// Segments as far as they grow, join, and grow again.
-std::vector<Segment> place(const Scene& scene, const std::vector<ViewPair>& pairs, ReconstructOptions options, WorkState& state) {
-  if (options.watch) {
-    options.growth.watch = [&](const Segment& segment) { options.watch({"placing", scene.views, pairs, segment}); };
-  }
-  auto kept = state.read_as(kKeptSegments, take_segments);
-  const auto keep = [&](const SegmentsSoFar& so_far) { state.write(kKeptSegments, bytes_of(so_far)); };
-  std::vector<Segment> segments = build_segments(scene, pairs, options.growth, kept ? std::move(*kept) : SegmentsSoFar{},
-                                                 state.keeps() ? keep : AfterSettling{});
-  segments = join_segments(scene, std::move(segments), options.join);
-  if (segments.empty()) return segments;
-  std::vector<char> is_left(scene.views.size(), 1);
-  for (const Segment& segment : segments) {
-    for (std::size_t view = 0; view < scene.views.size(); ++view) {
-      if (segment.world_from_cameras[view]) is_left[view] = 0;
-    }
-  }
-  grow(scene, segments.front(), is_left, scene.views.size(), options.growth);
-  return segments;
-}
-
-SegmentFinishOptions finish_options(const ReconstructOptions& options) {
-  return {options.growth.triangulation, options.max_error_px};
 }
 
 /// The camera refined where the images determine it; the views' rays follow.
@@ -129,61 +98,6 @@ LengthUnit take_positions(const Scene& scene, Segment& segment, Reconstructed& r
   return LengthUnit::Metres;
 }
 
-std::vector<std::int64_t> times_of(const Sequence& sequence, const std::vector<View>& views) {
-  std::vector<std::int64_t> times_ns;
-  for (const View& view : views) times_ns.push_back(sequence.frames[view.frame].time_ns);
-  return times_ns;
-}
-
-/// What the images say to the shutter, which is told; the segment under the shutter that the options ask for.
-void check_and_model_shutter(const Sequence& sequence, const std::vector<View>& views, TrackSet& tracks, Segment& segment,
-                             Reconstructed& result, const ReconstructOptions& options) {
-  const Scene scene{views, tracks};
-  const std::vector<std::int64_t> times_ns = times_of(sequence, views);
-  result.modelled_readout_s =
-      model_rolling_shutter(scene, segment, times_ns, options.growth.triangulation, options.rolling_shutter);
-  if (result.modelled_readout_s) result.num_merged_points += finish_segment(views, tracks, segment, finish_options(options));
-  result.rolling_shutter_check = check_rolling_shutter(scene, segment, camera_rates(segment.world_from_cameras, times_ns),
-                                                       result.modelled_readout_s.value_or(0.0), options.rolling_shutter.check);
-  const std::string verdict =
-      rolling_shutter_verdict(result.rolling_shutter_check, result.modelled_readout_s, options.rolling_shutter);
-  if (!verdict.empty() && options.warn) options.warn(verdict);
-}
-
-/// What the images give without loops: the same stages over the pairs of neighbours alone, in the world of the result.
-Trajectory odometry_of(const Sequence& sequence, const std::vector<View>& views, std::vector<ViewPair> pairs,
-                       const Reconstruction& result, std::optional<double> readout_s, const ReconstructOptions& options) {
-  std::erase_if(pairs, [&](const ViewPair& pair) {
-    return views[pair.query].frame - views[pair.match].frame > options.candidates.num_neighbours;
-  });
-  TrackSet tracks = tracks_of(views, pairs);
-  const Scene scene{views, tracks};
-  WorkState none;
-  ReconstructOptions unwatched = options;
-  unwatched.watch = {};  // it is another map
-  std::vector<Segment> segments = place(scene, pairs, std::move(unwatched), none);
-  Trajectory odometry;
-  if (segments.empty()) return odometry;
-  finish_segment(views, tracks, segments.front(), finish_options(options));
-  if (readout_s) {
-    const RollingShutterOptions known{Shutter::RollingKnown, *readout_s, options.rolling_shutter.check};
-    model_rolling_shutter(scene, segments.front(), times_of(sequence, views), options.growth.triangulation, known);
-    finish_segment(views, tracks, segments.front(), finish_options(options));
-  }
-  for (std::size_t view = 0; view < views.size(); ++view) {
-    const auto& pose = segments.front().world_from_cameras[view];
-    if (pose) odometry.push_back({sequence.frames[views[view].frame].time_ns, *pose});
-  }
-  const auto fit = absolute_trajectory_error(odometry, trajectory_of(result), {.alignment = Alignment::Sim3});
-  if (!fit) return odometry;  // too short to be compared: it keeps a world of its own
-  const Similarity& to = fit->reference_from_estimate;
-  for (StampedPose& pose : odometry) {
-    pose.world_from_camera = {to.rotation * pose.world_from_camera.rotation,
-                              to.scale * (to.rotation * pose.world_from_camera.translation) + to.translation};
-  }
-  return odometry;
-}
-
 std::vector<CandidatePair> find_candidates(const std::vector<View>& views, const std::optional<Model>& model,
                                            const ReconstructOptions& options, WorkState& state) {
   if (auto kept = state.read_as(kKeptCandidates, take_candidates)) return std::move(*kept);
@@ -225,7 +139,7 @@ Reconstructed run_stages(const Sequence& sequence, const std::optional<Model>& m
   TrackSet tracks = tracks_of(views.views, pairs);
   stages.end("tracks");
   const Scene scene{views.views, tracks};
-  std::vector<Segment> segments = place(scene, pairs, options, state);
+  std::vector<Segment> segments = place_views(scene, pairs, options, state);
   stages.end("placing");
   if (segments.empty()) {
     throw InputError(sequence.name + ": no three of its " + std::to_string(views.views.size()) +
@@ -240,10 +154,12 @@ Reconstructed run_stages(const Sequence& sequence, const std::optional<Model>& m
   result.num_merged_points = finish_segment(views.views, tracks, segments.front(), finish_options(options));
   stages.end("adjust");
   begin("shutter");
-  check_and_model_shutter(sequence, views.views, tracks, segments.front(), result, options);
+  model_shutter(sequence, views.views, tracks, segments.front(), result, options);
   stages.end("shutter");
   begin("camera");
   check_and_refine_camera(views.views, tracks, segments.front(), result, options);
+  if (result.camera_was_refined) model_shutter(sequence, views.views, tracks, segments.front(), result, options);
+  tell_shutter(result, options);
   stages.end("camera");
   begin("georeference");
   unit = take_positions(scene, segments.front(), result, options);
@@ -259,7 +175,7 @@ Reconstructed run_stages(const Sequence& sequence, const std::optional<Model>& m
   tell_what_is_left(views, scene, pairs, segments, options.growth, result);
   if (options.also_without_loops) {
     begin("without loops");
-    result.odometry = odometry_of(sequence, views.views, pairs, result.reconstruction, result.modelled_readout_s, options);
+    result.odometry = odometry_of(sequence, views.views, pairs, result, options);
     stages.end("without loops");
   }
   return result;
@@ -274,7 +190,7 @@ FeatureOptions reconstruction_features() {
 }
 
 Reconstructed reconstruct(const Sequence& sequence, const std::optional<Model>& model, const ReconstructOptions& given) {
-  const ReconstructOptions options = with_common(given);
+  const ReconstructOptions options = with_common(sequence, given);
   if (options.refine != RefineCamera::Nothing) require_refinable(sequence.camera);
   require_readout(options.rolling_shutter);
   WorkState state = open_state(sequence, model, options);

@@ -109,9 +109,9 @@ struct Reconstructed {
   std::size_t num_sightings = 0;
   CameraCheck camera_check;
   bool camera_was_refined = false;
-  RollingShutterCheck rolling_shutter_check;  ///< Beside what the map was made with.
-  std::optional<double> modelled_readout_s;   ///< Of the rolling shutter that the map was made with.
-  GeoreferenceResult georeference;            ///< Before positions were let into the adjustment.
+  RollingShutterCheck rolling_shutter_check;        ///< Beside what the map was made with.
+  std::optional<ModelledReadout> modelled_readout;  ///< Of the rolling shutter that the map was made with.
+  GeoreferenceResult georeference;                  ///< Before positions were let into the adjustment.
   /// The largest part that pairs of neighbours alone give, laid onto the result by a similarity; empty unless it was asked for.
   Trajectory odometry;
   std::vector<StageTime> times;

@@ -12,6 +12,7 @@
 #include "frontend/geometry/camera.h"
 #include "frontend/geometry/geo_position.h"
 #include "frontend/geometry/pose.h"
+#include "frontend/geometry/readout_motion.h"
 #include "frontend/sequence/trajectory.h"
 
 namespace fabloop {
@@ -27,14 +28,15 @@ struct PlacedImage {
   std::size_t frame = 0;  ///< Position in the sequence.
   std::filesystem::path image_path;
   std::int64_t time_ns = 0;
-  std::size_t camera = 0;  ///< Index into Reconstruction::cameras.
-  Pose world_from_camera;
+  std::size_t camera = 0;   ///< Index into Reconstruction::cameras.
+  Pose world_from_camera;   ///< While the middle row is read.
+  ReadoutMotion readout{};  ///< Of a rolling shutter, where the map was made under one; what is read from files has none.
 };
 
 /// Where an image shows a point.
 struct Sighting {
-  std::size_t image = 0;   ///< Index into Reconstruction::images.
-  Eigen::Vector2d pixel;   ///< As detected, with the lens's distortion.
+  std::size_t image = 0;  ///< Index into Reconstruction::images.
+  Eigen::Vector2d pixel;  ///< As detected, with the lens's distortion.
 };
 
 /// A point that several images show.
@@ -55,5 +57,8 @@ struct Reconstruction {
 
 /// The images' places as a trajectory.
 Trajectory trajectory_of(const Reconstruction& reconstruction);
+
+/// Where a camera was when it saw a point: its pose, moved on to the sighting's row where a rolling shutter is modelled.
+Pose pose_at_sighting(const Reconstruction& reconstruction, const Sighting& sighting);
 
 }  // namespace fabloop

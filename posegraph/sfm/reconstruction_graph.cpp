@@ -38,12 +38,12 @@ SharedView shared_view(const Reconstruction& map, std::size_t query, std::size_t
   double squared_px = 0;
   for (const std::uint32_t p : points) {
     const ScenePoint& point = map.points[p];
-    const Eigen::Vector3d x_in_camera = image.world_from_camera.inverse() * point.x_in_world;
     const auto sighting =
         std::find_if(point.track.begin(), point.track.end(), [&](const Sighting& s) { return s.image == query; });
-    const double error_px = reprojection_error_px(camera, image.world_from_camera, point.x_in_world, sighting->pixel);
+    const Pose world_from_row = pose_at_sighting(map, *sighting);
+    const double error_px = reprojection_error_px(camera, world_from_row, point.x_in_world, sighting->pixel);
     squared_px += error_px * error_px;
-    const Eigen::Matrix<double, 2, 6> by_pose = pixel_by_pose(camera, x_in_camera);
+    const Eigen::Matrix<double, 2, 6> by_pose = pixel_by_pose(camera, world_from_row.inverse() * point.x_in_world);
     shared.information += by_pose.transpose() * by_pose;
   }
   constexpr double kLeastVariance_px2 = 0.01;  // a detector's own

@@ -44,6 +44,12 @@ Trajectory trajectory_of(const Reconstruction& reconstruction) {
   return trajectory;
 }
 
+Pose pose_at_sighting(const Reconstruction& reconstruction, const Sighting& sighting) {
+  const PlacedImage& image = reconstruction.images[sighting.image];
+  const double share = readout_share(reconstruction.cameras[image.camera], sighting.pixel.y());
+  return pose_at_row(image.world_from_camera, image.readout, share);
+}
+
 Reconstruction to_reconstruction(const Sequence& sequence, const ColourViews& views, const Scene& scene, const Segment& segment) {
   Reconstruction result;
   result.cameras = {scene.views.front().camera};
@@ -53,6 +59,7 @@ Reconstruction to_reconstruction(const Sequence& sequence, const ColourViews& vi
     const Frame& frame = sequence.frames[scene.views[view].frame];
     image_of[view] = result.images.size();
     result.images.push_back({scene.views[view].frame, frame.image_path, frame.time_ns, 0, *segment.world_from_cameras[view]});
+    if (!segment.readout_motions.empty()) result.images.back().readout = segment.readout_motions[view];
   }
   for (std::size_t t = 0; t < segment.points.size(); ++t) {
     if (!segment.points[t]) continue;

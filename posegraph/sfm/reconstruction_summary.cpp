@@ -52,7 +52,7 @@ Json camera_json(const Reconstructed& result) {
 Json shutter_json(const Reconstructed& result) {
   const RollingShutterCheck& check = result.rolling_shutter_check;
   Json json = {{"modelled_readout_s", nullptr}, {"readout_s", nullptr}};
-  if (result.modelled_readout_s) json["modelled_readout_s"] = *result.modelled_readout_s;
+  if (result.modelled_readout) json["modelled_readout_s"] = result.modelled_readout->readout_s;
   if (!check.is_known) return json;
   json["readout_s"] = check.readout_s;
   json["readout_sigma_s"] = check.sigma_s;

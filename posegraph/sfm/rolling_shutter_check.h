@@ -21,9 +21,12 @@ struct RollingShutterCheckOptions {
   double min_shift_px = 1.0;            ///< From the first row to the last, in pixels of the images; less is not worth a warning.
 };
 
+/// Beyond so many sigmas something is called certain.
+inline constexpr double kCertainSigmas = 4.0;
+
 /// What the images say to the time between a camera's first row and its last.
 struct RollingShutterCheck {
-  bool is_known = false;  ///< Cameras move, and the adjustment leaves something to be seen.
+  bool is_known = false;  ///< Cameras move, there are enough of them, and no single one decides alone.
   double readout_s = 0;   ///< Best value; negative where rows are read from the last to the first.
   double sigma_s = 0;     ///< Its standard deviation.
   /// Best value where the calibration is taken as exact, as the map takes them: what an adjustment is best made under.
@@ -37,8 +40,9 @@ struct RollingShutterCheck {
 };
 
 /// One Gauss-Newton step of the readout time from an adjusted segment, poses, points and calibration free beside it. The sigma is
-/// robust against errors that are alike within an image: the step's score is summed by image, and what these sums scatter by is
-/// taken for the noise (Liang & Zeger 1986; the README has the equations).
+/// robust against errors that are alike within an image, and holds for few images: it is the jackknife's, by how far the step
+/// goes astray without each image in turn (Bell & McCaffrey 2002; the README has the equations).
+/// Nothing is known from fewer than 18 images, twice the unknowns: what their scores scatter by would be too little of the noise.
 /// `readout_s` is the one under which the segment was adjusted, 0 where it has no readout_motions; rates are one a view.
 RollingShutterCheck check_rolling_shutter(const Scene& scene, const Segment& segment, const std::vector<CameraRate>& rates,
                                           double readout_s, const RollingShutterCheckOptions& options = {});

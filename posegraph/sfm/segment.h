@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "frontend/geometry/pose.h"
-#include "posegraph/sfm/readout_motion.h"
+#include "frontend/geometry/readout_motion.h"
 #include "posegraph/sfm/tracks.h"
 #include "verification/view.h"
 

@@ -185,6 +185,24 @@ TEST(LensError, IsTheDistanceFromWhereTheCameraProjects) {
   }
 }
 
+TEST(BundleAdjustment, HoldsTheUnitOfMovingReadoutsBesideOneFixedView) {
+  const SyntheticScene scene = make_synthetic_scene({.num_points = 200});
+  Bundle bundle = perturbed_bundle(scene, 0.1, 1);
+  bundle.views[1].is_fixed = false;
+  // They ask for another unit: the sightings are a global shutter's, which a world that is large beside the motions is like.
+  for (BundleView& view : bundle.views) view.readout.shift_in_world = {0.3, 0, 0};
+  const auto extent = [](const auto& pose_of) {
+    double farthest = 0;
+    for (std::size_t i = 1; i < 15; ++i) farthest = std::max(farthest, (pose_of(i) - pose_of(0)).norm());
+    return farthest;
+  };
+  const AdjustedBundle adjusted = adjust_bundle(bundle, kToTheEnd);
+  const double before = extent([&](std::size_t i) { return bundle.views[i].world_from_camera.translation; });
+  const double after = extent([&](std::size_t i) { return adjusted.world_from_cameras[i].translation; });
+  constexpr double kUnit = 1e-4;  // of the farthest view itself 1e-6; another may become the farthest
+  EXPECT_NEAR(after, before, kUnit * before);
+}
+
 TEST(PinholeError, IsTheDistanceFromWhereARollingShutterSees) {
   Camera pinhole = test::synthetic_camera();
   pinhole.distortion.clear();

@@ -155,5 +155,45 @@ TEST(ReconstructionFolder, HasThePublicFiles) {
   EXPECT_EQ(read.points.front().track.size(), tiny_reconstruction().reconstruction.points.front().track.size());
 }
 
+TEST(Reconstruct, IsMadeUnderAKnownReadout) {
+  const test::ScratchFolder folder;
+  const Sequence sequence = tiny_flight();
+  ReconstructOptions options = tiny_options();
+  options.rolling_shutter.shutter = Shutter::RollingKnown;
+  options.rolling_shutter.readout_s = 0.02;
+  const Reconstructed result = reconstruct(sequence, std::nullopt, options);
+  ASSERT_TRUE(result.modelled_readout);
+  EXPECT_EQ(result.modelled_readout->readout_s, 0.02);
+  EXPECT_EQ(result.reconstruction.images.size(), sequence.frames.size());
+  EXPECT_FALSE(result.reconstruction.images.front().readout.shift_in_world.isZero(0));
+  // The result's sightings err as the segment's did: each image has its readout.
+  double sum_px = 0;
+  for (const ScenePoint& point : result.reconstruction.points) {
+    for (const Sighting& sighting : point.track) {
+      const Camera& camera = result.reconstruction.cameras.front();
+      const Pose world_from_row = pose_at_sighting(result.reconstruction, sighting);
+      sum_px += reprojection_error_px(camera, world_from_row, point.x_in_world, sighting.pixel);
+    }
+  }
+  EXPECT_NEAR(sum_px / static_cast<double>(result.num_sightings), result.mean_error_px, 1e-9);
+  const auto run = folder.path() / "run";
+  write_reconstruction_folder(run, sequence, result, options);
+  std::ifstream file(run / "summary.json");
+  EXPECT_EQ(nlohmann::json::parse(file)["rolling_shutter"]["modelled_readout_s"], 0.02);
+}
+
+TEST(Reconstruct, RefusesAReadoutOfImagesWithoutTimes) {
+  const test::ScratchFolder folder;
+  testing_support::copy_tiny_sequence(folder.path() / "flight", 3);
+  for (const char* name : {"frames.csv", "track.csv", "reference.tum"}) std::filesystem::remove(folder.path() / "flight" / name);
+  const Sequence sequence = read_sequence(folder.path() / "flight");
+  ASSERT_FALSE(sequence.has_times);
+  ReconstructOptions options = tiny_options();
+  options.rolling_shutter.shutter = Shutter::RollingKnown;
+  options.rolling_shutter.readout_s = 0.02;
+  const std::string message = test::message_of<InputError>([&] { reconstruct(sequence, std::nullopt, options); });
+  EXPECT_NE(message.find("no time stamps"), std::string::npos) << message;
+}
+
 }  // namespace
 }  // namespace fabloop

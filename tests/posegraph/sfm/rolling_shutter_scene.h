@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "posegraph/sfm/readout_motion.h"
+#include "frontend/geometry/readout_motion.h"
 #include "tests/posegraph/sfm/synthetic_scene.h"
 
 namespace fabloop::test {
