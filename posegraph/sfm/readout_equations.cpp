@@ -160,7 +160,6 @@ class Elimination {
   void reduce() {
     right_.assign(num_views_, ViewByUnknowns::Zero());
     for (std::size_t track = 0; track < segment_.points.size(); ++track) {
-      if (!segment_.points[track]) continue;
       const std::vector<LinearSighting> sightings = sightings_of(track);
       const auto covariance = covariance_of_point(sightings);
       if (!covariance) continue;
@@ -223,7 +222,6 @@ class Elimination {
     equations_.score.assign(num_views_, ReadoutVector::Zero());
     equations_.information.assign(num_views_, ReadoutMatrix::Zero());
     for (std::size_t track = 0; track < segment_.points.size(); ++track) {
-      if (!segment_.points[track]) continue;
       std::vector<LinearSighting> sightings = sightings_of(track);
       const auto covariance = covariance_of_point(sightings);
       if (!covariance) continue;

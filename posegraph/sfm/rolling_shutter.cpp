@@ -33,8 +33,8 @@ void require_readout(const RollingShutterOptions& options) {
   }
   if (!options.has_times) {
     throw InputError(
-        "a readout time in seconds needs to know when images were taken, and they have no time stamps: give them in " +
-        std::string("frames.csv (filename,timestamp_s), or let the images tell the readout"));
+        "a readout time in seconds needs to know when images were taken, and they have no time stamps: give them in "
+        "frames.csv (filename,timestamp_s), or let the images tell the readout");
   }
 }
 
