@@ -16,6 +16,7 @@
 #include "verification/matching/word_matching.h"
 #include "verification/pair_decision.h"
 #include "verification/pair_seed.h"
+#include "verification/pose/lone_depths.h"
 #include "verification/pose/ray_pairs.h"
 #include "verification/pose/relative_pose.h"
 
@@ -79,6 +80,9 @@ class Gates {
     if (!best) return std::move(result_);
     result_.num_iterations = best->iterations;
     choose(std::move(*best));
+    constexpr int kRounds = 5;
+    for (int round = 0; round < kRounds && set_bending_accidents_aside(); ++round) {
+    }
     if (!is_evidence()) return std::move(result_);
     decide();
     if (options_.guided && result_.verdict == Verdict::PoorlyConstrained && add_guided_matches()) decide();
@@ -105,6 +109,25 @@ class Gates {
     result_.median_parallax_deg = deg_from_rad(median_parallax(pairs_, relative.inliers, relative.match_from_query));
   }
 
+  /// Takes accidents that bend the pose out of the matches, and finds it anew. Whether there were any.
+  bool set_bending_accidents_aside() {
+    const auto bending = find_bending_accidents(pairs_, choice_.chosen.relative, pose_options_);
+    if (!bending) return false;
+    std::vector<Match> kept, accidents;
+    for (std::size_t i = 0; i < matches_.size(); ++i) {
+      (std::ranges::binary_search(bending->inliers, i) ? accidents : kept).push_back(matches_[i]);
+    }
+    std::vector<RayPair> pairs = ray_pairs(query_, match_, kept);
+    auto refined = refine_relative_pose(pairs, bending->match_from_query, pose_options_);
+    if (!refined) return false;
+    refined->iterations = result_.num_iterations;
+    accidents_.insert(accidents_.end(), accidents.begin(), accidents.end());
+    matches_ = std::move(kept);
+    pairs_ = std::move(pairs);
+    choose(std::move(*refined));
+    return true;
+  }
+
   /// Whether the inliers prove anything: they are many, no accident, and without a rival.
   bool is_evidence() {
     result_.log10_false_alarms = false_alarms();
@@ -119,6 +142,7 @@ class Gates {
   /// Largest number of inliers that the matches left by the pose have for another one.
   int second_support() const {
     std::vector<Match> left = others_;
+    left.insert(left.end(), accidents_.begin(), accidents_.end());
     std::size_t next = 0;
     const std::vector<std::size_t>& inliers = choice_.chosen.relative.inliers;
     for (std::size_t i = 0; i < matches_.size(); ++i) {
@@ -141,15 +165,16 @@ class Gates {
     constexpr double kFivePointModels = 10;
     constexpr double kTests = 0.3;  // log10 of two: the better of both is taken
     const double p_accident = p_accidental_epipolar_match(match_, options_.max_error_px);
-    const double of_all = log10_false_alarms(matches_.size(), result_.inliers.size(), 5, p_accident, kFivePointModels);
+    const std::size_t num_matches = matches_.size() + accidents_.size();
+    const double of_all = log10_false_alarms(num_matches, result_.inliers.size(), 5, p_accident, kFivePointModels);
     const ViewChange change = view_change(query_.features, match_.features, matches_, options_.consistency);
     const auto count = [&](const std::vector<Match>& matches) {
       return static_cast<std::size_t>(std::count_if(matches.begin(), matches.end(), [&](const Match& m) {
         return agrees_with(change, query_.features, match_.features, m, options_.consistency);
       }));
     };
-    return std::min(of_all, log10_false_alarms(count(matches_), count(result_.inliers), 5, p_accident, kFivePointModels)) +
-           kTests;
+    const std::size_t num_similar = count(matches_) + count(accidents_);
+    return std::min(of_all, log10_false_alarms(num_similar, count(result_.inliers), 5, p_accident, kFivePointModels)) + kTests;
   }
 
   /// More matches along the epipolar lines of the pose. They agree with it by construction: they make it more certain, but count
@@ -210,6 +235,7 @@ class Gates {
   const View& query_;
   const View& match_;
   std::vector<Match> matches_, others_;
+  std::vector<Match> accidents_;  ///< Taken out of the matches, since they bent the pose.
   const PairPrior& prior_;
   const VerifierOptions& options_;
   std::vector<RayPair> pairs_;
