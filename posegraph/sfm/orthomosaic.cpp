@@ -18,8 +18,9 @@ namespace {
 
 constexpr int kTile = 512;
 
-/// Blocks that enough views show, and the holes among them that any view shows.
-cv::Mat1b shown_blocks(const MosaicBlocks& blocks, int min_views) {
+/// Blocks that enough views show, and the holes among them that any view shows. Tongues and islands that are narrower than a
+/// twentieth of the flying height are left out.
+cv::Mat1b shown_blocks(const MosaicBlocks& blocks, int min_views, double flying_height) {
   // A frame of one block around, so that the outside is one region.
   cv::Mat1b outside(blocks.grid.rows + 2, blocks.grid.columns + 2, static_cast<unsigned char>(255));
   const auto seeing = [&](int row, int column) {
@@ -39,6 +40,9 @@ cv::Mat1b shown_blocks(const MosaicBlocks& blocks, int min_views) {
       if (seeing(row, column) >= min_views || (is_hole && seeing(row, column) > 0)) shown(row, column) = 255;
     }
   }
+  constexpr double kNarrowest = 0.05;
+  const int side = 1 + 2 * static_cast<int>(std::lround(0.5 * kNarrowest * flying_height / blocks.grid.spacing));
+  cv::morphologyEx(shown, shown, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_ELLIPSE, {side, side}));
   return shown;
 }
 
@@ -150,7 +154,7 @@ Orthomosaic make_orthomosaic(const GroundGrid& grid, const HeightField& surface,
       look_at_blocks(grid, surface, views, images, flying_height, options.max_slant_deg, options.num_threads);
   const Exposure exposure = equalise_exposure(blocks, camera_of, num_cameras);
   const Seams seams = find_seams(blocks, exposure, camera_of, options.seams);
-  const cv::Mat1b shown = shown_blocks(blocks, options.min_views);
+  const cv::Mat1b shown = shown_blocks(blocks, options.min_views, flying_height);
   const cv::Mat3f drift = drift_factors_of(blocks, exposure, views, flying_height);
   const MosaicScene scene{grid, surface, views, camera_of, images, blocks, exposure, seams, shown, drift};
   Orthomosaic mosaic{grid,

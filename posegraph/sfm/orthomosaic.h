@@ -17,8 +17,9 @@ namespace fabloop {
 struct OrthomosaicOptions {
   /// Ground shown by fewer views is left out, but for holes inside of the rest. With one view heights are guesses.
   int min_views = 2;
-  /// Views farther aslant than this do not count for it: heights are poor there, and what stands up hides what is behind.
-  double max_slant_deg = 50;
+  /// Views farther aslant than this do not count for it: heights are poor there, so that roads and roofs come out wavy, and what
+  /// stands up hides what is behind.
+  double max_slant_deg = 40;
   int num_bands = 4;  ///< Of multiband blending: seams are blended over up to 2^num_bands pixels.
   SeamOptions seams;
   int num_threads = 0;  ///< 0: all. The mosaic does not depend on it.
