@@ -27,6 +27,7 @@ struct SurfaceArguments {
   std::string detail = "images";
   std::vector<double> origin;
   double resolution = 0;
+  double max_slant_deg = OrthomosaicOptions{}.max_slant_deg;
   double memory_gb = 2;
   bool overwrite = false;
 };
@@ -73,6 +74,7 @@ void run_surface(const SurfaceArguments& arguments, const CommonOptions& common)
                                          : UpDirection::Automatic;
   options.detail = arguments.detail == "points" ? SurfaceDetail::Points : SurfaceDetail::Images;
   if (arguments.resolution > 0) options.resolution = arguments.resolution;
+  options.mosaic.max_slant_deg = arguments.max_slant_deg;
   constexpr double kBytesPerGb = 1e9;
   options.memory_budget_bytes = static_cast<std::size_t>(arguments.memory_gb * kBytesPerGb);
   options.odometry = std::move(run.odometry);
@@ -97,6 +99,11 @@ void add_surface_command(CLI::App& program, const CommonOptions& common) {
       ->add_option("--resolution", arguments->resolution,
                    "width of an orthomosaic pixel on the ground (default: that of the images)")
       ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--max-slant", arguments->max_slant_deg,
+                   "ground that no two views show from within so many degrees of the vertical is left out of the orthomosaic")
+      ->check(CLI::Range(1.0, 90.0))
+      ->capture_default_str();
   command->add_option("--detail", arguments->detail, "heights from the map's points alone, or from the images too")
       ->check(CLI::IsMember({"points", "images"}))
       ->capture_default_str();

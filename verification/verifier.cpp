@@ -97,8 +97,9 @@ class Gates {
 
   /// The pose, or another of the same plane, and its inliers.
   void choose(RelativePose found) {
-    choice_ = choose_pose(query_, match_, matches_, pairs_, std::move(found),
-                          {pose_options_, options_.scale, options_.plane_scale}, prior_.pose);
+    choice_ =
+        choose_pose(query_, match_, matches_, pairs_, std::move(found), {pose_options_, options_.scale, options_.plane_scale},
+                    prior_.pose, ray_pairs(query_, match_, accidents_));
     const RelativePose& relative = choice_.chosen.relative;
     result_.inliers.clear();
     for (const std::size_t i : relative.inliers) result_.inliers.push_back(matches_[i]);
@@ -111,7 +112,9 @@ class Gates {
 
   /// Takes accidents that bend the pose out of the matches, and finds it anew. Whether there were any.
   bool set_bending_accidents_aside() {
-    const auto bending = find_bending_accidents(pairs_, choice_.chosen.relative, pose_options_);
+    LoneDepthOptions of_depths;
+    of_depths.line_length_rad = field_of_view_rad(match_.camera);
+    const auto bending = find_bending_accidents(pairs_, choice_.chosen.relative, pose_options_, of_depths);
     if (!bending) return false;
     std::vector<Match> kept, accidents;
     for (std::size_t i = 0; i < matches_.size(); ++i) {
@@ -191,6 +194,9 @@ class Gates {
     guided.change = view_change(query_.features, match_.features, result_.inliers, options_.consistency);
     guided.consistency = options_.consistency;
     std::vector<Match> more = guided_matches(query_, match_, choice_.chosen.relative.match_from_query, guided);
+    std::erase_if(more, [&](const Match& m) {
+      return std::ranges::any_of(accidents_, [&](const Match& a) { return a.query == m.query && a.match == m.match; });
+    });
     std::vector<char> has_match(query_.features.keypoints.size(), 0);
     for (const Match& m : more) has_match[static_cast<std::size_t>(m.query)] = 1;
     std::copy_if(matches_.begin(), matches_.end(), std::back_inserter(more),

@@ -18,31 +18,36 @@ namespace {
 
 constexpr int kTile = 512;
 
-/// Blocks that enough views show, and the holes among them that any view shows. Tongues and islands that are narrower than a
-/// twentieth of the flying height are left out.
-cv::Mat1b shown_blocks(const MosaicBlocks& blocks, int min_views, double flying_height) {
-  // A frame of one block around, so that the outside is one region.
-  cv::Mat1b outside(blocks.grid.rows + 2, blocks.grid.columns + 2, static_cast<unsigned char>(255));
-  const auto seeing = [&](int row, int column) {
-    return blocks.num_seeing[static_cast<std::size_t>(row) * blocks.grid.columns + column];
-  };
-  for (int row = 0; row < blocks.grid.rows; ++row) {
-    for (int column = 0; column < blocks.grid.columns; ++column) {
-      if (seeing(row, column) >= min_views) outside(row + 1, column + 1) = 0;
-    }
-  }
-  cv::Mat1i regions;
-  cv::connectedComponents(outside, regions, 4, CV_32S);
+/// Blocks that enough views show, without tongues and islands that are narrower than a twentieth of the flying height (unless
+/// there is nothing else).
+cv::Mat1b well_shown_blocks(const MosaicBlocks& blocks, int min_views, double flying_height) {
   cv::Mat1b shown(blocks.grid.rows, blocks.grid.columns, static_cast<unsigned char>(0));
   for (int row = 0; row < shown.rows; ++row) {
     for (int column = 0; column < shown.cols; ++column) {
-      const bool is_hole = outside(row + 1, column + 1) != 0 && regions(row + 1, column + 1) != regions(0, 0);
-      if (seeing(row, column) >= min_views || (is_hole && seeing(row, column) > 0)) shown(row, column) = 255;
+      if (blocks.num_seeing[static_cast<std::size_t>(row) * shown.cols + column] >= min_views) shown(row, column) = 255;
     }
   }
   constexpr double kNarrowest = 0.05;
   const int side = 1 + 2 * static_cast<int>(std::lround(0.5 * kNarrowest * flying_height / blocks.grid.spacing));
-  cv::morphologyEx(shown, shown, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_ELLIPSE, {side, side}));
+  cv::Mat1b opened;
+  cv::morphologyEx(shown, opened, cv::MORPH_OPEN, cv::getStructuringElement(cv::MORPH_ELLIPSE, {side, side}));
+  return cv::countNonZero(opened) > 0 ? opened : shown;
+}
+
+/// The same, and the holes in it that any view shows.
+cv::Mat1b shown_blocks(const MosaicBlocks& blocks, int min_views, double flying_height) {
+  cv::Mat1b shown = well_shown_blocks(blocks, min_views, flying_height);
+  // A frame of one block around, so that the outside is one region.
+  cv::Mat1b unshown(shown.rows + 2, shown.cols + 2, static_cast<unsigned char>(255));
+  cv::Mat(shown == 0).copyTo(unshown(cv::Rect(1, 1, shown.cols, shown.rows)));
+  cv::Mat1i regions;
+  cv::connectedComponents(unshown, regions, 4, CV_32S);
+  for (int row = 0; row < shown.rows; ++row) {
+    for (int column = 0; column < shown.cols; ++column) {
+      const bool is_hole = unshown(row + 1, column + 1) != 0 && regions(row + 1, column + 1) != regions(0, 0);
+      if (is_hole && blocks.num_seeing[static_cast<std::size_t>(row) * shown.cols + column] > 0) shown(row, column) = 255;
+    }
+  }
   return shown;
 }
 

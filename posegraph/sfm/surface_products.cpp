@@ -71,7 +71,11 @@ GroundGrid mosaic_grid(const SparseSurface& sparse, const std::vector<GroundView
 /// The part of the mosaic that shows anything.
 Orthomosaic cropped(const Orthomosaic& mosaic) {
   const cv::Rect box = cv::boundingRect(mosaic.shown);
-  if (box.area() == 0) throw InputError("no place on the ground is shown by enough images; do they overlap?");
+  if (box.area() == 0) {
+    throw InputError(
+        "no place on the ground is shown by enough images from above; do they overlap, and do they look down? --max-slant "
+        "lets images count that look farther aslant");
+  }
   GroundGrid grid = mosaic.grid;
   grid.first_centre = mosaic.grid.ground_at(box.x, box.y);
   grid.rows = box.height;

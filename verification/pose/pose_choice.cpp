@@ -77,7 +77,8 @@ double least_lead(const std::vector<PoseCandidate>& candidates, std::size_t c) {
 }  // namespace
 
 PoseChoice choose_pose(const View& query, const View& match, const std::vector<Match>& matches, std::span<const RayPair> pairs,
-                       RelativePose relative, const PoseChoiceOptions& options, const std::optional<PosePrior>& prior) {
+                       RelativePose relative, const PoseChoiceOptions& options, const std::optional<PosePrior>& prior,
+                       std::span<const RayPair> set_aside) {
   PlanarScene scene = planar_scene(pairs, relative, options.pose);
   std::vector<PoseCandidate> candidates;
   if (scene.closer) {
@@ -97,7 +98,9 @@ PoseChoice choose_pose(const View& query, const View& match, const std::vector<M
       candidate.unit_sigma = 0;
     }
   }
-  const EpipolarEquations equations = equations_of(pairs);
+  std::vector<RayPair> scored(pairs.begin(), pairs.end());
+  scored.insert(scored.end(), set_aside.begin(), set_aside.end());
+  const EpipolarEquations equations = equations_of(scored);
   for (PoseCandidate& candidate : candidates) {
     candidate.pair_scores = scores_of(equations, candidate.relative, options.pose.max_error_rad);
     candidate.other_score = other_log_likelihood(candidate, prior);

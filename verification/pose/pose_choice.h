@@ -33,7 +33,8 @@ struct PoseCandidate {
   RelativePose relative;
   std::optional<Scale> scale;  ///< What the points say of it, or the heights.
   double unit_sigma = 0;       ///< Of the points' unit of length: View::unit_sigma.
-  /// Of each pair: by how much, in logarithms, it is likelier about this pose than at random within the threshold; 0 beyond it.
+  /// Of each pair, those set aside last: by how much, in logarithms, it is likelier about this pose than at random within the
+  /// threshold; 0 beyond it.
   std::vector<double> pair_scores;
   double other_score = 0;  ///< The same of the points and of the prior.
 };
@@ -50,9 +51,11 @@ inline constexpr double kMinLead = 5.0;
 
 /// The relative pose or one that a plane would explain as well: the likelier one, by its rays, the points and the prior. By luck,
 /// and by errors of the lens that near pairs share, rays lie closer on one of two poses that explain them alike: what counts is
-/// by how much more than three standard deviations of luck.
+/// by how much more than three standard deviations of luck. `set_aside` are pairs that no pose is refined on, but that count for
+/// those with which they agree.
 PoseChoice choose_pose(const View& query, const View& match, const std::vector<Match>& matches, std::span<const RayPair> pairs,
-                       RelativePose relative, const PoseChoiceOptions& options, const std::optional<PosePrior>& prior);
+                       RelativePose relative, const PoseChoiceOptions& options, const std::optional<PosePrior>& prior,
+                       std::span<const RayPair> set_aside = {});
 
 /// Squared Mahalanobis distance of a pose from a prior.
 double squared_distance(const Pose& match_from_query, const PosePrior& prior);
