@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <opencv2/imgproc.hpp>
+
 #include "tests/posegraph/scratch_folder.h"
 #include "tests/posegraph/sfm/bump_world.h"
 
@@ -25,10 +27,12 @@ HeightField true_surface(const BumpWorld& world, double spacing) {
   return field;
 }
 
-Orthomosaic mosaic_of(const BumpWorld& world, const Reconstruction& reconstruction, int num_threads = 1) {
+Orthomosaic mosaic_of(const BumpWorld& world, const Reconstruction& reconstruction, int num_threads = 1,
+                      double max_slant_deg = 40) {
   ImageCache images(reconstruction, 1 << 24);
   OrthomosaicOptions options;
   options.num_threads = num_threads;
+  options.max_slant_deg = max_slant_deg;
   const std::vector<std::size_t> camera_of(reconstruction.images.size(), 0);
   return make_orthomosaic(grid_over({-12, -9}, {12, 9}, 0.2), true_surface(world, 0.25), ground_views(reconstruction, {}),
                           camera_of, 1, images, world.flying_height, options);
@@ -99,6 +103,21 @@ TEST(Orthomosaic, DoesNotDependOnTheNumberOfThreads) {
   const Orthomosaic three = mosaic_of(world, reconstruction, 3);
   EXPECT_EQ(cv::norm(one.colour, three.colour, cv::NORM_INF), 0);
   EXPECT_EQ(one.residual.median_px, three.residual.median_px);
+}
+
+TEST(Orthomosaic, LeavesOutWhatIsSeenAslantOnlyButNoHoles) {
+  const ScratchFolder folder;
+  const BumpWorld world;
+  const Reconstruction reconstruction = world.reconstruction(folder.path());
+  const Orthomosaic steep = mosaic_of(world, reconstruction, 1, 15);
+  const Orthomosaic wide = mosaic_of(world, reconstruction, 1, 40);
+  EXPECT_LT(cv::countNonZero(steep.shown), cv::countNonZero(wide.shown));
+  EXPECT_EQ(cv::countNonZero(steep.shown & ~wide.shown), 0);
+  // One piece, and one piece around it at most.
+  cv::Mat1i regions;
+  EXPECT_EQ(cv::connectedComponents(steep.shown, regions), 2);
+  const cv::Rect middle(wide.shown.cols / 3, wide.shown.rows / 3, wide.shown.cols / 3, wide.shown.rows / 3);
+  EXPECT_EQ(cv::countNonZero(steep.shown(middle) == 0), 0);
 }
 
 TEST(Exposure, FindsGainsAndFallOff) {
