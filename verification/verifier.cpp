@@ -230,8 +230,10 @@ class Gates {
       if (choice_.lead && *choice_.lead < kMinLead) return void(fail(Verdict::AmbiguousPose));
       decide_by_rays(pairs_, choice_.chosen, of_unit(options_, choice_.chosen.unit_sigma), result_);
     }
+    // Where few true inliers are left of those that accidents were among, more accidents may be.
+    const bool is_suspect = !accidents_.empty() && result_.num_true < options_.second_look.min_true;
     const bool vague =
-        rad_from_deg(result_.rotation_sigma_deg) > options_.max_rotation_sigma * field_of_view_rad(match_.camera) ||
+        is_suspect || rad_from_deg(result_.rotation_sigma_deg) > options_.max_rotation_sigma * field_of_view_rad(match_.camera) ||
         result_.translation_sigma > options_.max_translation_sigma;
     if (result_.verdict == Verdict::Accepted && vague) fail(Verdict::PoorlyConstrained);
     result_.p_true = loop_probability(result_, prior_);

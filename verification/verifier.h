@@ -26,8 +26,8 @@ namespace fabloop {
 /// most, so its ratio test may be laxer.
 struct SecondLook {
   std::size_t num_first_features = 2000;  ///< Of the first look, whose time grows with their square.
-  double min_true = 40;                   ///< Of a first look that accepts with fewer true inliers: the second look decides,
-                                          ///< unless it finds fewer still.
+  double min_true = 40;                   ///< With fewer true inliers a first look that accepts has not the last word, unless the
+                                          ///< second finds fewer still; nor is a pose certain that accidents had bent.
   std::size_t min_similar = 4;            ///< Least largest_similar_group() of the first look's matches that is worth another.
   double max_ratio = 0.9;                 ///< Of the second look; the first has MatchingOptions::max_ratio.
   SimilarGroupOptions similar;
