@@ -123,7 +123,6 @@ class Gates {
     std::vector<RayPair> pairs = ray_pairs(query_, match_, kept);
     auto refined = refine_relative_pose(pairs, bending->match_from_query, pose_options_);
     if (!refined) return false;
-    refined->iterations = result_.num_iterations;
     accidents_.insert(accidents_.end(), accidents.begin(), accidents.end());
     matches_ = std::move(kept);
     pairs_ = std::move(pairs);

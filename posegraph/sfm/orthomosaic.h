@@ -15,7 +15,8 @@
 namespace fabloop {
 
 struct OrthomosaicOptions {
-  /// Ground shown by fewer views is left out, but for holes inside of the rest. With one view heights are guesses.
+  /// Ground shown by fewer views is left out, but for holes inside of the rest, and so are tongues and islands narrower than a
+  /// twentieth of the flying height. With one view heights are guesses.
   int min_views = 2;
   /// Views farther aslant than this do not count for it: heights are poor there, so that roads and roofs come out wavy, and what
   /// stands up hides what is behind.

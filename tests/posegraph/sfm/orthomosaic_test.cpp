@@ -28,7 +28,7 @@ HeightField true_surface(const BumpWorld& world, double spacing) {
 }
 
 Orthomosaic mosaic_of(const BumpWorld& world, const Reconstruction& reconstruction, int num_threads = 1,
-                      double max_slant_deg = 40) {
+                      double max_slant_deg = OrthomosaicOptions{}.max_slant_deg) {
   ImageCache images(reconstruction, 1 << 24);
   OrthomosaicOptions options;
   options.num_threads = num_threads;
